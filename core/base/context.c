@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+/* context.c: accounted memory, cancellation, deadline, errors and progress.
+ *
+ * Every block carries its size in a header, so that the budget counts capacity
+ * and not use, and freeing needs no size. No globals, no printing. */
+#define _POSIX_C_SOURCE 200809L
+#include "base/context.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct tet_ctx {
+  tet_limits limits;
+  double start;
+  atomic_int cancelled;
+  uint64_t bytes, peak;
+  tet_progress_fn progress;
+  void *user;
+  const char *stage;
+  double last_report;
+  uint32_t polls;
+  tet_error error;
+};
+
+/* Keeps blocks aligned for any type. */
+typedef union block_head {
+  size_t bytes;
+  max_align_t align;
+} block_head;
+
+static double clock_seconds(clockid_t id) {
+  struct timespec t;
+  clock_gettime(id, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double tet_wall_seconds(void) { return clock_seconds(CLOCK_MONOTONIC); }
+double tet_cpu_seconds(void) { return clock_seconds(CLOCK_THREAD_CPUTIME_ID); }
+
+tet_status tet_ctx_create(const tet_limits *limits, tet_ctx **ret_ctx) {
+  tet_ctx *ctx = calloc(1, sizeof *ctx);
+  if (!ctx) return TET_E_MEMORY;
+  if (limits) ctx->limits = *limits;
+  atomic_init(&ctx->cancelled, 0);
+  ctx->start = tet_wall_seconds();
+  ctx->stage = "";
+  *ret_ctx = ctx;
+  return TET_OK;
+}
+
+void tet_ctx_free(tet_ctx *ctx) { free(ctx); }
+
+void tet_ctx_set_progress(tet_ctx *ctx, tet_progress_fn fn, void *user) {
+  ctx->progress = fn;
+  ctx->user = user;
+}
+
+void tet_cancel(tet_ctx *ctx) { atomic_store_explicit(&ctx->cancelled, 1, memory_order_relaxed); }
+const tet_error *tet_ctx_error(const tet_ctx *ctx) { return &ctx->error; }
+uint64_t tet_ctx_bytes(const tet_ctx *ctx) { return ctx->bytes; }
+uint64_t tet_ctx_peak_bytes(const tet_ctx *ctx) { return ctx->peak; }
+
+uint64_t tet_vertex_limit(const tet_ctx *ctx) {
+  uint64_t most = (uint64_t)1 << 31;
+  uint64_t given = ctx->limits.max_vertices;
+  return given && given < most ? given : most;
+}
+
+/* 1 if `more` bytes fit the budget. */
+static int fits(const tet_ctx *ctx, size_t more) {
+  return !ctx->limits.memory_bytes || ctx->bytes + more <= ctx->limits.memory_bytes;
+}
+
+static void account(tet_ctx *ctx, size_t more) {
+  ctx->bytes += more;
+  if (ctx->bytes > ctx->peak) ctx->peak = ctx->bytes;
+}
+
+static tet_status out_of_memory(tet_ctx *ctx, size_t bytes) {
+  if (!fits(ctx, bytes))
+    return tet_fail(ctx, TET_E_MEMORY, "%zu more bytes do not fit the memory budget of %llu bytes", bytes,
+                    (unsigned long long)ctx->limits.memory_bytes);
+  return tet_fail(ctx, TET_E_MEMORY, "the system has no %zu bytes of memory left", bytes);
+}
+
+void *tet_alloc(tet_ctx *ctx, size_t count, size_t size) {
+  size_t bytes;
+  if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2) {
+    tet_fail(ctx, TET_E_TOO_LARGE, "an array of %zu items of %zu bytes", count, size);
+    return NULL;
+  }
+  bytes += sizeof(block_head);
+  block_head *head = fits(ctx, bytes) ? malloc(bytes) : NULL;
+  if (!head) {
+    out_of_memory(ctx, bytes);
+    return NULL;
+  }
+  head->bytes = bytes;
+  account(ctx, bytes);
+  return head + 1;
+}
+
+void *tet_calloc(tet_ctx *ctx, size_t count, size_t size) {
+  void *block = tet_alloc(ctx, count, size);
+  if (block) memset(block, 0, count * size);
+  return block;
+}
+
+void tet_free(tet_ctx *ctx, void *block) {
+  if (!block) return;
+  block_head *head = (block_head *)block - 1;
+  ctx->bytes -= head->bytes;
+  free(head);
+}
+
+/* realloc under the budget; `array` is a pointer to the array pointer. */
+static tet_status resize(tet_ctx *ctx, void *array, size_t items, size_t size) {
+  void *old;
+  memcpy(&old, array, sizeof old);
+  block_head *head = old ? (block_head *)old - 1 : NULL;
+  size_t before = head ? head->bytes : 0;
+  size_t bytes = items * size + sizeof(block_head);
+  size_t more = bytes > before ? bytes - before : 0;
+  block_head *moved = fits(ctx, more) ? realloc(head, bytes) : NULL;
+  if (!moved) return out_of_memory(ctx, more);
+  moved->bytes = bytes;
+  ctx->bytes -= before;
+  account(ctx, bytes);
+  void *block = moved + 1;
+  memcpy(array, &block, sizeof block);
+  return TET_OK;
+}
+
+tet_status tet_grow(tet_ctx *ctx, void *array, size_t *capacity, size_t need, size_t size) {
+  if (need <= *capacity) return TET_OK;
+  size_t items = *capacity + *capacity / 2 + 16;
+  if (items < need) items = need;
+  if (items > SIZE_MAX / 2 / size) return tet_fail(ctx, TET_E_TOO_LARGE, "an array of %zu items", items);
+  if (items > need && !fits(ctx, items * size)) items = need;
+  tet_status status = resize(ctx, array, items, size);
+  if (status == TET_OK) *capacity = items;
+  return status;
+}
+
+void tet_shrink(tet_ctx *ctx, void *array, size_t *capacity, size_t count, size_t size) {
+  if (count >= *capacity) return;
+  if (resize(ctx, array, count, size) == TET_OK) *capacity = count;
+}
+
+tet_status tet_poll(tet_ctx *ctx) {
+  if (atomic_load_explicit(&ctx->cancelled, memory_order_relaxed))
+    return tet_fail(ctx, TET_E_CANCELLED, "cancelled in stage %s", ctx->stage);
+  if (ctx->limits.deadline_seconds > 0 && (ctx->polls++ & 15) == 0 &&
+      tet_wall_seconds() - ctx->start > ctx->limits.deadline_seconds)
+    return tet_fail(ctx, TET_E_DEADLINE, "the deadline of %g s passed in stage %s",
+                    ctx->limits.deadline_seconds, ctx->stage);
+  return TET_OK;
+}
+
+tet_status tet_fail(tet_ctx *ctx, tet_status status, const char *format, ...) {
+  va_list args;
+  memset(&ctx->error, 0, sizeof ctx->error);
+  ctx->error.status = status;
+  va_start(args, format);
+  vsnprintf(ctx->error.message, sizeof ctx->error.message, format, args);
+  va_end(args);
+  return status;
+}
+
+void tet_offend(tet_ctx *ctx, const tet_offence *offence) {
+  tet_error *e = &ctx->error;
+  e->n_offences++;
+  if (e->n_listed < TET_MAX_OFFENDERS) e->offences[e->n_listed++] = *offence;
+}
+
+tet_status tet_fail_internal(tet_ctx *ctx, const char *file, int line, const char *what) {
+  tet_fail(ctx, TET_E_INTERNAL, "a bug in tetrad: %s (%s:%d, stage %s)", what, file, line, ctx->stage);
+  ctx->error.file = file;
+  ctx->error.line = line;
+  return TET_E_INTERNAL;
+}
+
+void tet_stage_begin(tet_ctx *ctx, const char *name) {
+  ctx->stage = name;
+  ctx->last_report = 0;
+  tet_progress_report(ctx, 0.0, 0, 0, 0);
+}
+
+void tet_progress_report(tet_ctx *ctx, double fraction, uint64_t vertices, uint64_t tetrahedra,
+                         uint64_t done) {
+  if (!ctx->progress) return;
+  double now = tet_wall_seconds();
+  if (now - ctx->last_report < 0.05) return;
+  ctx->last_report = now;
+  tet_progress p = {ctx->stage, fraction, vertices, tetrahedra, done};
+  ctx->progress(ctx->user, &p);
+}

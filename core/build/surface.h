@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/* surface.h: the triangulated boundary of a PLS, validated (thesis A.3.2).
+ *
+ * From the caller's facets to flat patches of triangles, each patch exactly
+ * planar and a 2D constrained Delaunay triangulation, joined by segments.
+ *
+ *   input facet   as uploaded: polygons, holes, loose segments and points
+ *   patch         exactly coplanar triangles of one (merged) facet; the unit
+ *                 of facet recovery
+ *   segment       an edge where patches meet, a patch ends, a loose segment, or
+ *                 a crease (between two patches of one input facet)
+ *
+ * Vertex indices are the caller's; merged duplicates are replaced by their
+ * survivor everywhere. Steiner points of segment recovery come in later through
+ * tet_surface_split.
+ */
+#ifndef TET_BUILD_SURFACE_H
+#define TET_BUILD_SURFACE_H
+
+#include "base/context.h"
+#include "exact/points.h"
+#include "mesh/pieces.h"
+
+typedef struct tet_patch {
+  uint32_t facet;      /* into facets */
+  uint8_t axis;        /* coordinate to drop for orient2d */
+  uint32_t off_plane;  /* an explicit vertex off its plane: with it in-facet
+                          incircle tests are insphere tests (design 9.4) */
+} tet_patch;
+
+/* Directed edge j of triangle s goes from tri[3s+j] to tri[3s+(j+1)%3]. */
+typedef struct tet_surface {
+  uint32_t n_patches;
+  tet_patch *patch;
+  uint32_t n_tris;
+  uint32_t *tri;        /* [n][3]; counter-clockwise in the dropped-axis projection */
+  uint32_t *tri_adj;    /* [n][3] handle 3s'+j' across edge j inside the patch; TET_NONE
+                           at a subsegment */
+  uint32_t *tri_seg;    /* [n][3] subsegment at edge j, or TET_NONE */
+  uint32_t *tri_patch;  /* [n] */
+  size_t cap_tri, cap_tri_adj, cap_tri_seg, cap_tri_patch;
+
+  uint32_t n_facets;
+  tet_facet *facet;
+  uint32_t n_segments;
+  tet_segment *segment;     /* a < b */
+  uint32_t n_subsegs;       /* = n_segments before any split */
+  uint32_t *subseg;         /* [n][2]; directed like its segment */
+  uint32_t *subseg_segment; /* [n] */
+  uint32_t *subseg_tri;     /* [n] some triangle edge handle 3s+j on it, or TET_NONE; the
+                               others follow through tri_ring */
+  uint32_t *tri_ring;       /* [n_tris][3] next edge handle on the same subsegment (cyclic);
+                               TET_NONE off subsegments */
+  size_t cap_subseg, cap_subseg_segment, cap_subseg_tri, cap_tri_ring;
+
+  uint32_t *same_as;        /* [n_input] survivor of a merged duplicate */
+  uint8_t *used;            /* [n_input] 1: vertex of the triangulation (facet, segment,
+                               loose point); survivors only */
+  double planarity;         /* largest distance of a polygon vertex from its facet's plane */
+  uint64_t n_duplicates, n_repeated_facets, n_unused;
+} tet_surface;
+
+/* Builds and validates the surface of `pls`. `points` views the input's vertices
+ * (no implicit ones). `tolerance`: absolute planarity tolerance (> 0).
+ * Resolved: duplicates (lowest index survives), a vertex exactly on a segment or
+ * facet (splits or joins it), repeated facets (one kept, counted), coplanar facets
+ * of one marker that share an edge only they have (merged).
+ * Refused: crossing or overlapping facets and segments, vertices or polygons out
+ * of range, polygons out of plane, facets without area; with all offending pairs
+ * up to TET_MAX_OFFENDERS in the error. About n log n. */
+tet_status tet_surface_build(tet_ctx *ctx, const tet_pls *pls, const tet_points *points,
+                             double tolerance, tet_surface *ret_surface);
+
+/* Splits subsegment `e` at vertex `v` (on it, index beyond all earlier ones),
+ * in every incident patch, and restores the patches' constrained Delaunay
+ * property by flips. The half towards the segment's `a` end keeps number e, the
+ * other is appended: n_subsegs - 1. */
+tet_status tet_surface_split(tet_ctx *ctx, tet_surface *s, const tet_points *points, uint32_t e, uint32_t v);
+
+void tet_surface_free(tet_ctx *ctx, tet_surface *s);
+
+#endif

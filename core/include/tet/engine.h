@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/* engine.h: from a PLS to a mesh.
+ *
+ *   tet_ctx *ctx;  tet_mesh *mesh;  tet_options options;
+ *   tet_ctx_create(NULL, &ctx);
+ *   tet_options_default(&options);
+ *   if (tet_mesh_pls(ctx, &pls, &options, &mesh) != TET_OK)
+ *     puts(tet_ctx_error(ctx)->message);
+ *   tet_mesh_free(mesh);  tet_ctx_free(ctx);
+ */
+#ifndef TET_ENGINE_H
+#define TET_ENGINE_H
+
+#include <tet/mesh.h>
+#include <tet/pls.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum tet_stage {
+  TET_STAGE_DELAUNAY = 0, /* Delaunay tetrahedralization of the points alone */
+  TET_STAGE_CDT = 1,      /* constrained Delaunay tetrahedralization of the PLS */
+  TET_STAGE_REFINE = 2    /* Delaunay refinement of the CDT (chapters 3 and 4) */
+} tet_stage;
+
+typedef enum tet_point_order {
+  TET_ORDER_INPUT_FIRST = 0, /* input vertices keep their rows */
+  TET_ORDER_HILBERT = 1      /* all vertices along a Hilbert curve */
+} tet_point_order;
+
+typedef struct tet_options {
+  tet_stage stage;
+  double radius_edge;          /* bound rho_0; >= 1; default 2.0 */
+  double max_volume;           /* of every tetrahedron; 0: none */
+  int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2) */
+  double planarity_tolerance;  /* absolute; 0: 1e-9 of the box's diagonal */
+  int neighbours;              /* deliver the neighbours array */
+  tet_point_order point_order; /* with HILBERT, point_same_as gives each input vertex's row */
+  uint64_t seed;               /* of the insertion order; the result does not depend on it */
+} tet_options;
+
+void tet_options_default(tet_options *options);
+
+/* Meshes `pls`. On success *ret_mesh is the caller's, to be freed before the
+ * context; on failure it is untouched and tet_ctx_error(ctx) tells why. Cost:
+ * about n log n in the output's size. Errors: every tet_status. */
+tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

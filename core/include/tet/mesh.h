@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+/* mesh.h: a finished mesh and the report about it.
+ *
+ * Everything here belongs to the tet_mesh and goes with tet_mesh_free. */
+#ifndef TET_MESH_H
+#define TET_MESH_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <tet/context.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define TET_NONE UINT32_MAX
+
+typedef enum tet_origin {
+  TET_ORIGIN_INPUT = 0,
+  TET_ORIGIN_SEGMENT = 1, /* a Steiner point on a segment */
+  TET_ORIGIN_FACET = 2,   /* on a facet */
+  TET_ORIGIN_VOLUME = 3
+} tet_origin;
+
+enum { TET_MAX_STAGES = 8, TET_HISTOGRAM_BINS = 16 };
+
+typedef struct tet_stage_report {
+  const char *name;
+  double seconds;      /* wall */
+  double cpu_seconds;  /* of the meshing thread */
+  uint64_t peak_bytes; /* the context's peak when the stage ended */
+  uint64_t vertices;   /* after the stage */
+  uint64_t tetrahedra;
+} tet_stage_report;
+
+/* bins[i] counts values in [edges[i], edges[i+1]); the last edge is infinite
+ * where the measure is unbounded. */
+typedef struct tet_histogram {
+  uint32_t n_bins;
+  double edges[TET_HISTOGRAM_BINS + 1];
+  uint64_t bins[TET_HISTOGRAM_BINS];
+  double min, max;
+} tet_histogram;
+
+typedef struct tet_quality {
+  tet_histogram radius_edge;  /* circumradius / shortest edge (3.2.1) */
+  tet_histogram dihedral_min; /* smallest of each tetrahedron, degrees */
+  tet_histogram dihedral_max;
+  tet_histogram aspect;       /* longest edge / shortest height */
+  double volume;
+} tet_quality;
+
+/* What is claimed of the mesh. */
+typedef struct tet_promise {
+  int delaunay;              /* every face locally Delaunay */
+  int constrained_delaunay;  /* every face off the subfaces locally Delaunay */
+  int gabriel;               /* subfaces and subsegments Gabriel */
+  double radius_edge;        /* bound, the listed exceptions aside; 0: none */
+  double max_volume;         /* bound, the listed exceptions aside; 0: none */
+  double planarity;          /* largest deviation of a polygon from its plane */
+} tet_promise;
+
+/* What `audit` found by exact arithmetic on the arrays below: counts of faults. */
+typedef struct tet_audit {
+  uint64_t flat_or_inverted;
+  uint64_t adjacency;           /* faces with more than two tetrahedra, one side */
+  uint64_t not_delaunay;        /* interior faces, subfaces included */
+  uint64_t not_constrained_delaunay; /* interior faces that are no subfaces */
+  uint64_t subfaces_missing;    /* listed, but no face of the mesh */
+  uint64_t subsegments_missing;
+  uint64_t subfaces_encroached; /* not Gabriel */
+  uint64_t subsegments_encroached;
+  uint64_t over_radius_edge;    /* not listed as exceptions, over the bound */
+  uint64_t over_volume;
+  uint64_t region_leaks;        /* faces off subfaces between two regions */
+  int passed;                   /* everything promised holds */
+} tet_audit;
+
+/* Candidates that refinement found and did not insert, by reason. */
+typedef struct tet_rejections {
+  uint64_t protected_ball; /* the accepting rule (4.1.4) */
+  uint64_t outside;        /* walked out of the domain */
+  uint64_t lost_subface;   /* the cavity would lose a constraint */
+  uint64_t too_short;      /* a subsegment of a few ulps */
+} tet_rejections;
+
+typedef struct tet_counts {
+  uint64_t input_vertices, duplicate_vertices, unused_vertices;
+  uint64_t facets, repeated_facets, segments;
+  uint64_t missing_segments, segment_steiner_points;
+  uint64_t missing_subfaces, cavities;
+  uint64_t rounding_flips, rounding_moves;
+  uint64_t refine_segment_points, refine_facet_points, refine_volume_points;
+  uint64_t outside_tetrahedra;
+} tet_counts;
+
+typedef struct tet_report {
+  uint32_t n_stages;
+  tet_stage_report stages[TET_MAX_STAGES];
+  tet_counts counts;
+  tet_quality quality;
+  tet_promise promised;
+  tet_audit audit;
+  tet_rejections rejected;
+  uint64_t peak_bytes;
+} tet_report;
+
+typedef struct tet_mesh {
+  tet_ctx *ctx; /* that accounts for the arrays */
+
+  uint32_t n_points;
+  uint32_t n_input_points;  /* rows 0 .. n_input_points-1 are the input's, in order */
+  double *points;           /* [n_points][3]; input rows keep their bits */
+  uint32_t n_attributes;
+  double *point_attributes; /* [n_points][n_attributes]; interpolated on new ones */
+  int32_t *point_markers;   /* [n_points] */
+  uint8_t *point_origin;    /* [n_points] tet_origin */
+  uint32_t *point_same_as;  /* [n_input_points] survivor of a merged duplicate, else itself */
+
+  uint32_t n_tetrahedra;
+  uint32_t *tetrahedra;         /* [n][4], orient3d > 0 */
+  uint32_t *tetrahedron_regions; /* [n] row of the region table */
+  uint32_t *neighbours;         /* [n][4] opposite vertex i, or TET_NONE; NULL unless asked for */
+
+  uint32_t n_subfaces;
+  uint32_t *subfaces;        /* [n][3] */
+  uint32_t *subface_facets;  /* [n] input facet */
+  int32_t *subface_markers;  /* [n] */
+
+  uint32_t n_subsegments;
+  uint32_t *subsegments;          /* [n][2] */
+  uint32_t *subsegment_segments;  /* [n] segment number */
+  int32_t *subsegment_markers;    /* [n] */
+
+  uint32_t n_regions;
+  int32_t *region_markers;    /* [n]; seeds keep theirs, others are numbered on */
+  double *region_attributes;  /* [n] */
+
+  uint32_t n_exceptions;            /* tetrahedra that break the promised bound */
+  uint32_t *exception_tetrahedra;   /* [n] */
+  double *exception_radius_edge;    /* [n] */
+  uint32_t *exception_segments;     /* [n] subsegment row of the sharp segment to blame, or TET_NONE */
+
+  tet_report report;
+} tet_mesh;
+
+/* Frees a mesh and its arrays; NULL is fine. */
+void tet_mesh_free(tet_mesh *mesh);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
