@@ -20,7 +20,11 @@ struct tet_ctx {
   uint64_t bytes, peak;
   tet_progress_fn progress;
   void *user;
-  const char *stage;
+  const char *stage; /* the running one, or "" */
+  double stage_wall, stage_cpu; /* clocks at its begin */
+  tet_stage_report running;
+  uint32_t n_stages;
+  tet_stage_report stages[TET_MAX_STAGES];
   double last_report;
   uint32_t polls;
   tet_error error;
@@ -184,10 +188,50 @@ tet_status tet_fail_internal(tet_ctx *ctx, const char *file, int line, const cha
   return TET_E_INTERNAL;
 }
 
+void tet_stages_clear(tet_ctx *ctx) {
+  ctx->stage = "";
+  ctx->running = (tet_stage_report){0};
+  ctx->n_stages = 0;
+}
+
+const tet_stage_report *tet_stages(const tet_ctx *ctx, uint32_t *ret_n) {
+  *ret_n = ctx->n_stages;
+  return ctx->stages;
+}
+
+void tet_stage_end(tet_ctx *ctx) {
+  if (!*ctx->stage) return;
+  tet_stage_report *r = &ctx->running;
+  r->seconds = tet_wall_seconds() - ctx->stage_wall;
+  r->cpu_seconds = tet_cpu_seconds() - ctx->stage_cpu;
+  r->peak_bytes = ctx->peak;
+  ctx->stage = "";
+  uint32_t i = 0;
+  while (i < ctx->n_stages && strcmp(ctx->stages[i].name, r->name) != 0) i++;
+  if (i == TET_MAX_STAGES) return;
+  if (i < ctx->n_stages) {
+    r->seconds += ctx->stages[i].seconds;
+    r->cpu_seconds += ctx->stages[i].cpu_seconds;
+  } else {
+    ctx->n_stages++;
+  }
+  ctx->stages[i] = *r;
+}
+
 void tet_stage_begin(tet_ctx *ctx, const char *name) {
+  uint64_t vertices = ctx->running.vertices, tetrahedra = ctx->running.tetrahedra;
+  tet_stage_end(ctx);
   ctx->stage = name;
+  ctx->stage_wall = tet_wall_seconds();
+  ctx->stage_cpu = tet_cpu_seconds();
+  ctx->running = (tet_stage_report){.name = name, .vertices = vertices, .tetrahedra = tetrahedra};
   ctx->last_report = 0;
-  tet_progress_report(ctx, 0.0, 0, 0, 0);
+  tet_progress_report(ctx, 0.0, vertices, tetrahedra, 0);
+}
+
+void tet_stage_counts(tet_ctx *ctx, uint64_t vertices, uint64_t tetrahedra) {
+  ctx->running.vertices = vertices;
+  ctx->running.tetrahedra = tetrahedra;
 }
 
 void tet_progress_report(tet_ctx *ctx, double fraction, uint64_t vertices, uint64_t tetrahedra,

@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <tet/context.h>
+#include <tet/mesh.h>
 
 /* Allocates `count * size` bytes (0 gives a valid pointer) under the budget.
  * Returns NULL after recording TET_E_MEMORY; never aborts. */
@@ -45,8 +46,24 @@ tet_status tet_fail_internal(tet_ctx *ctx, const char *file, int line, const cha
 /* Vertices that the mesh may have (limit of the caller, or of the index type). */
 uint64_t tet_vertex_limit(const tet_ctx *ctx);
 
-/* Starts a stage of this name: progress is reported under it. */
+/* Ends the running stage and starts one of this name (a literal: the pointer is
+ * kept): progress, errors and times go under it. A name begun again adds to its
+ * earlier time. */
 void tet_stage_begin(tet_ctx *ctx, const char *name);
+
+/* Ends the running stage; none runs then. */
+void tet_stage_end(tet_ctx *ctx);
+
+/* Sets what the running stage has made so far; the last call before its end
+ * goes into the report. */
+void tet_stage_counts(tet_ctx *ctx, uint64_t vertices, uint64_t tetrahedra);
+
+/* Forgets the stages of an earlier run on this context. */
+void tet_stages_clear(tet_ctx *ctx);
+
+/* The ended stages in the order of their first begin, *ret_n <= TET_MAX_STAGES of them;
+ * valid until the next call on the context. */
+const tet_stage_report *tet_stages(const tet_ctx *ctx, uint32_t *ret_n);
 
 /* Reports progress when it is time to; fraction < 0: unknown. */
 void tet_progress_report(tet_ctx *ctx, double fraction, uint64_t vertices, uint64_t tetrahedra,
