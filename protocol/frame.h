@@ -20,7 +20,8 @@ extern "C" {
 #endif
 
 enum {
-  TP_MAX_LINE = 65536,    /* bytes of a line, its '\n' included */
+  TP_MAX_LINE = 65536,    /* bytes of a line, its '\n' included, client and server */
+  TP_WORKER_LINE = 131072, /* between daemon and worker */
   TP_HELLO_LINE = 4096,   /* before server.hello where that is required */
   TP_MAX_DEPTH = 16,      /* nested objects and lists of a line, the outermost is 1 */
   TP_MAX_ID = 64          /* bytes of a request id that is a string */
@@ -102,9 +103,9 @@ tp_code tp_params_known(const json_t *params, const char *const *names, tp_error
 
 /* Builders. Each gives one line with its '\n' in *ret_line (malloc; the caller
  * frees) and its length; borrows its JSON arguments. `body`: bytes that the caller
- * sends after the line; 0 leaves the member out. Errors: TP_E_INTERNAL (no memory),
- * TP_E_LINE_TOO_LONG (over 16 MiB: replies to clients have no 64 KiB limit, see
- * PROTOCOL.md); outputs untouched. */
+ * sends after the line; 0 leaves the member out. Errors: TP_E_INTERNAL (no memory);
+ * TP_E_LINE_TOO_LONG (over TP_WORKER_LINE; the caller sees to TP_MAX_LINE where that
+ * holds, by *ret_size); outputs untouched. */
 
 /* {"jsonrpc":"2.0","id":ID,"method":M,"body":B,"params":P}. params may be NULL. */
 tp_code tp_build_request(const json_t *id, const char *method, const json_t *params, uint64_t body,
