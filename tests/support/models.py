@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Real models and the independent judge of meshes, where they are at hand.
+
+They are no part of the project: a folder `shared` beside the checkout, or the one
+that TETRAD_SHARED names, holds models/ and judge/.  Whoever uses this module skips
+where they, a C++ compiler or CGAL are missing.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SHARED = pathlib.Path(os.environ.get("TETRAD_SHARED", ROOT.parent / "shared"))
+BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
+TETRACTL = BUILD / "clients/tetractl"
+RADIUS_EDGE = 2.0
+MOST_EXCEPTIONS = 0.05  # of the tetrahedra
+ANY_NUMBER = "1000000000"
+
+
+def available():
+    return (SHARED / "models").is_dir() and (SHARED / "judge/judge.cpp").is_file()
+
+
+def folder(name):
+    """The model files of one folder, one path per model."""
+    files = sorted((SHARED / "models" / name).glob("*.*"))
+    return [p for p in files if p.suffix != ".node"]
+
+
+def valid_models():
+    return [p for name in ("plc", "multi", "surface") for p in folder(name)]
+
+
+def table_rows():
+    """The rows of the models' README as lists of cells."""
+    text = (SHARED / "models/README.md").read_text(encoding="utf-8")
+    return [[c.strip() for c in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+
+
+def is_open(model):
+    """Whether the model's surface dangles somewhere."""
+    return any(len(r) > 4 and r[1] == model.name and r[4].startswith("open") for r in table_rows())
+
+
+def reference_over(model):
+    """Tetrahedra over the radius-edge bound in the reference mesh; 0 where there is none."""
+    for row in table_rows():
+        if len(row) == 3 and row[0] == model.stem and row[2].count("/") == 3:
+            return int(row[2].split("/")[3])
+    return 0
+
+
+def judge():
+    """The judge's program, compiled at most once per source; None where that cannot be."""
+    source = SHARED / "judge/judge.cpp"
+    program = BUILD / "judge"
+    if program.exists() and program.stat().st_mtime > source.stat().st_mtime:
+        return program
+    compiler = shutil.which("g++")
+    if compiler is None or not BUILD.is_dir():
+        return None
+    part = program.with_suffix(".part")
+    done = subprocess.run([compiler, "-O2", "-std=c++17", "-o", part, source, "-lgmp", "-lmpfr"],
+                          capture_output=True, check=False)
+    if done.returncode != 0:
+        return None
+    part.rename(program)
+    return program
+
+
+def as_judge_reads(model, scratch):
+    """The model in a format that the judge reads."""
+    if model.suffix.lower() in (".poly", ".smesh", ".off"):
+        return model
+    surface = pathlib.Path(scratch) / (model.stem + ".off")
+    subprocess.run([sys.executable, SHARED / "judge/tooff.py", model, surface], check=True)
+    return surface
+
+
+def run_mesher(model, out, *options, timeout=300):
+    """Runs tetractl; returns (completed process, report or None)."""
+    report = pathlib.Path(str(out) + ".json")
+    done = subprocess.run([TETRACTL, "mesh", model, "-o", out, "--report", report, "--quiet", *options],
+                          capture_output=True, text=True, timeout=timeout, check=False)
+    return done, json.loads(report.read_text(encoding="utf-8")) if report.exists() else None
+
+
+def run_judge(program, model, prefix, *options):
+    """The judge's faults on one mesh, as one line; empty where there are none."""
+    with tempfile.TemporaryDirectory() as scratch:
+        command = [program, as_judge_reads(model, scratch), prefix, *options]
+        if is_open(model):
+            command += ["--allow-outside", ANY_NUMBER]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode == 0:
+        return ""
+    said = re.search(r'"faults":\[(.*)\]', done.stdout)
+    return (said.group(1) if said else done.stdout + done.stderr).strip() or f"status {done.returncode}"
+
+
+def check(program, model, stage, folder_out):
+    """Meshes one model up to a stage and has it judged.
+
+    Returns (fault, report): an empty fault means that everything holds."""
+    prefix = pathlib.Path(folder_out) / f"{model.stem}.{stage}"
+    out = pathlib.Path(str(prefix) + ".node")
+    done, report = run_mesher(model, out, "--stage", stage, "--radius-edge", str(RADIUS_EDGE))
+    if done.returncode != 0:
+        return f"tetractl ended with {done.returncode}: {done.stderr.strip()[-400:]}", report
+    if report is None:
+        return "no report", None
+    if stage != "refine":
+        return run_judge(program, model, prefix, "--" + stage, "--markers"), report
+    count = report["exceptions"]["count"]
+    fault = run_judge(program, model, prefix, "--markers", "--rho", str(RADIUS_EDGE), "--allow-bad", str(count))
+    if fault:
+        return fault, report
+    tetrahedra = report["stages"][-1].get("tetrahedra", 0)
+    most = max(MOST_EXCEPTIONS * tetrahedra, reference_over(model))
+    if count > most:
+        return f"{count} exceptions of {tetrahedra} tetrahedra, {most:.0f} would do", report
+    return "", report
