@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/* sort.c: introsort (Musser 1997): quicksort, heaps where it degenerates, and
+ * insertion for short runs. libc's qsort may allocate outside the budget. */
+#include "base/sort.h"
+
+enum { SHORT_RUN = 24 };
+
+static inline int less(const tet_keyed *a, const tet_keyed *b) {
+  return a->key != b->key ? a->key < b->key : a->value < b->value;
+}
+
+static inline void swap(tet_keyed *a, tet_keyed *b) {
+  tet_keyed t = *a;
+  *a = *b;
+  *b = t;
+}
+
+static void insertion(tet_keyed *x, size_t n) {
+  for (size_t i = 1; i < n; i++) {
+    tet_keyed item = x[i];
+    size_t j = i;
+    for (; j > 0 && less(&item, &x[j - 1]); j--) x[j] = x[j - 1];
+    x[j] = item;
+  }
+}
+
+static void sift(tet_keyed *x, size_t root, size_t n) {
+  for (size_t child; (child = 2 * root + 1) < n; root = child) {
+    if (child + 1 < n && less(&x[child], &x[child + 1])) child++;
+    if (!less(&x[root], &x[child])) return;
+    swap(&x[root], &x[child]);
+  }
+}
+
+static void heap(tet_keyed *x, size_t n) {
+  for (size_t i = n / 2; i-- > 0;) sift(x, i, n);
+  for (size_t i = n; i-- > 1;) {
+    swap(&x[0], &x[i]);
+    sift(x, 0, i);
+  }
+}
+
+/* Parts x around the median of three; returns where the right part begins. */
+static size_t part(tet_keyed *x, size_t n) {
+  tet_keyed *mid = &x[n / 2], *last = &x[n - 1];
+  if (less(mid, x)) swap(mid, x);
+  if (less(last, x)) swap(last, x);
+  if (less(last, mid)) swap(last, mid);
+  tet_keyed pivot = *mid;
+  size_t i = 0, j = n - 1;
+  for (;;) {
+    while (less(&x[i], &pivot)) i++;
+    while (less(&pivot, &x[j])) j--;
+    if (i >= j) return i;
+    swap(&x[i++], &x[j--]);
+  }
+}
+
+static void sort(tet_keyed *x, size_t n, int depth) {
+  while (n > SHORT_RUN) {
+    if (depth-- == 0) {
+      heap(x, n);
+      return;
+    }
+    size_t right = part(x, n);
+    if (right < n - right) { /* recursion on the smaller part bounds the stack */
+      sort(x, right, depth);
+      x += right;
+      n -= right;
+    } else {
+      sort(x + right, n - right, depth);
+      n = right;
+    }
+  }
+  insertion(x, n);
+}
+
+void tet_sort_keyed(tet_keyed *items, size_t n) {
+  int depth = 2;
+  for (size_t k = n; k > 1; k /= 2) depth += 2;
+  sort(items, n, depth);
+}

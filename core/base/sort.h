@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/* sort.h: sorting of keyed items, in place and without allocating.
+ *
+ * The order is total, by key and then by value, so that the result depends on
+ * nothing but the items. Other item types are sorted through their keys. */
+#ifndef TET_BASE_SORT_H
+#define TET_BASE_SORT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct tet_keyed {
+  uint64_t key;
+  uint64_t value;
+} tet_keyed;
+
+/* Sorts `n` items by (key, value). n log n in the worst case. */
+void tet_sort_keyed(tet_keyed *items, size_t n);
+
+#endif
