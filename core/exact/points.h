@@ -6,6 +6,7 @@
 #ifndef TETRAD_CORE_EXACT_POINTS_H
 #define TETRAD_CORE_EXACT_POINTS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// The floating-point filter of the predicates. Internal to this folder.
+//
+// Every predicate is a homogeneous polynomial P of differences of coordinates. Its
+// majorant M is P of the absolute differences with all signs positive. Let u = 2^-53
+// and let every monomial pass at most k roundings between the coordinates and the
+// result. Then the computed value is off by at most ((1+u)^k - 1) M, and M as
+// computed (M') is at least (1-u)^k M, so the error is below (k + 1) u M' for all
+// k used here (k <= 20; second-order terms and the rounding of the bound included).
+// One more u M' pays for underflow, which is possible only in products: each loses
+// at most 2^-1075 times its other factors. M' > TET_FILTER_LEAST and the limit on
+// the factors, which each predicate checks where its degree makes it necessary, keep
+// that far below u M'. Overflow makes M' infinite first, and the filter fails.
+//
+// An implicit point enters with its rounded coordinates x, which lie within u |x| of
+// the exact ones (or half of the least denormal). Let r be the sum of these radii
+// for each difference d. P moves by at most M(|d| + r) - M(|d|). Roundings in that
+// term cost at most 2 k u M' for the two values of M and, for degree g < k, 3 g u M'
+// for |d| and |d| + r being rounded themselves, so with the k + 2 from above
+// (6 k + 2) u M'(|d| + r) is enough.
+#ifndef TETRAD_CORE_EXACT_FILTER_H
+#define TETRAD_CORE_EXACT_FILTER_H
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+
+#include "exact/points.h"
+
+_Static_assert(FLT_EVAL_METHOD == 0, "filters need plain double arithmetic");
+
+#define TET_FILTER_LEAST 0x1p-500
+/* The limit on lengths where the degree is 5 or 6, as a square. */
+#define TET_FILTER_SQUARE_LIMIT 0x1p200
+
+#define TET_FILTER_UNIT 0x1p-53
+#define TET_FILTER_EXPLICIT(k) (((k) + 2) * TET_FILTER_UNIT)
+#define TET_FILTER_IMPLICIT(k) ((6 * (k) + 2) * TET_FILTER_UNIT)
+
+/* The most roundings that a monomial passes: those of its differences, then those of
+ * the products and sums above them. */
+enum {
+  TET_ROUNDINGS_ORIENT2D = 4,         /* 2; product, difference */
+  TET_ROUNDINGS_DOT = 5,              /* 2; product, two sums */
+  TET_ROUNDINGS_COMPARE_DISTANCE = 6, /* 2; product, two sums, difference */
+  TET_ROUNDINGS_ORIENT3D = 8,         /* 3; minor 2, product, two sums */
+  TET_ROUNDINGS_INSPHERE = 16,        /* 5; square 3, determinant 5, product, two sums */
+  TET_ROUNDINGS_BALL3 = 20            /* three dots of 5; product, difference, product, two sums */
+};
+
+/* det of rows d[0..2], d[3..5], d[6..8]. */
+static inline double tet_orient3d_value(const double *d) {
+  return d[2] * (d[3] * d[7] - d[4] * d[6]) - d[5] * (d[0] * d[7] - d[1] * d[6]) +
+         d[8] * (d[0] * d[4] - d[1] * d[3]);
+}
+
+/* The majorants take absolute differences. */
+static inline double tet_orient3d_majorant(const double *d) {
+  return d[2] * (d[3] * d[7] + d[4] * d[6]) + d[5] * (d[0] * d[7] + d[1] * d[6]) +
+         d[8] * (d[0] * d[4] + d[1] * d[3]);
+}
+
+static inline double tet_square(const double *d) {
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
+/* Four rows relative to e. */
+static inline double tet_insphere_value(const double *d) {
+  double m01 = d[0] * d[4] - d[1] * d[3], m02 = d[0] * d[7] - d[1] * d[6];
+  double m03 = d[0] * d[10] - d[1] * d[9], m12 = d[3] * d[7] - d[4] * d[6];
+  double m13 = d[3] * d[10] - d[4] * d[9], m23 = d[6] * d[10] - d[7] * d[9];
+  double d0 = d[5] * m23 - d[8] * m13 + d[11] * m12;
+  double d1 = d[2] * m23 - d[8] * m03 + d[11] * m02;
+  double d2 = d[2] * m13 - d[5] * m03 + d[11] * m01;
+  double d3 = d[2] * m12 - d[5] * m02 + d[8] * m01;
+  return (tet_square(d) * d0 - tet_square(d + 3) * d1) +
+         (tet_square(d + 6) * d2 - tet_square(d + 9) * d3);
+}
+
+static inline double tet_insphere_majorant(const double *d) {
+  double m01 = d[0] * d[4] + d[1] * d[3], m02 = d[0] * d[7] + d[1] * d[6];
+  double m03 = d[0] * d[10] + d[1] * d[9], m12 = d[3] * d[7] + d[4] * d[6];
+  double m13 = d[3] * d[10] + d[4] * d[9], m23 = d[6] * d[10] + d[7] * d[9];
+  double d0 = d[5] * m23 + d[8] * m13 + d[11] * m12;
+  double d1 = d[2] * m23 + d[8] * m03 + d[11] * m02;
+  double d2 = d[2] * m13 + d[5] * m03 + d[11] * m01;
+  double d3 = d[2] * m12 + d[5] * m02 + d[8] * m01;
+  return (tet_square(d) * d0 + tet_square(d + 3) * d1) +
+         (tet_square(d + 6) * d2 + tet_square(d + 9) * d3);
+}
+
+static inline double tet_orient2d_value(const double *d) { return d[0] * d[3] - d[1] * d[2]; }
+
+static inline double tet_orient2d_majorant(const double *d) {
+  return d[0] * d[3] + d[1] * d[2];
+}
+
+static inline double tet_dot3(const double *a, const double *b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double tet_dot_value(const double *d) { return tet_dot3(d, d + 3); }
+
+static inline double tet_compare_distance_value(const double *d) {
+  return tet_square(d) - tet_square(d + 3);
+}
+
+static inline double tet_compare_distance_majorant(const double *d) {
+  return tet_square(d) + tet_square(d + 3);
+}
+
+/* Rows u, v, w of tet_exact_diametric_ball3, where the polynomial is derived. */
+static inline double tet_ball3_value(const double *d) {
+  double uu = tet_square(d), vv = tet_square(d + 3), ww = tet_square(d + 6);
+  double uv = tet_dot3(d, d + 3), uw = tet_dot3(d, d + 6), vw = tet_dot3(d + 3, d + 6);
+  return uu * (vv * uw - uv * vw) + vv * (uu * vw - uv * uw) - ww * (uu * vv - uv * uv);
+}
+
+static inline double tet_ball3_majorant(const double *d) {
+  double uu = tet_square(d), vv = tet_square(d + 3), ww = tet_square(d + 6);
+  double uv = tet_dot3(d, d + 3), uw = tet_dot3(d, d + 6), vw = tet_dot3(d + 3, d + 6);
+  return uu * (vv * uw + uv * vw) + vv * (uu * vw + uv * uw) + ww * (uu * vv + uv * uv);
+}
+
+typedef double (*tet_polynomial)(const double *differences);
+
+/* The sign of `value`, or 0 for "cannot tell". `n` differences d with radii r (NULL:
+ * all points are explicit); `square_limit` bounds the squared length of the longest
+ * row and is 0 where the degree needs no such limit. The polynomials are constants
+ * at every call and get inlined. */
+static inline __attribute__((always_inline)) int tet_filter(tet_polynomial value,
+                                                            tet_polynomial majorant,
+                                                            const double *d, const double *r,
+                                                            int n, int k,
+                                                            double square_limit) {
+  double big[12] = {0}, bound, least;
+  for (int i = 0; i < n; i++) big[i] = fabs(d[i]);
+  least = majorant(big);
+  bound = TET_FILTER_EXPLICIT(k) * least;
+  if (r) {
+    for (int i = 0; i < n; i++) big[i] += r[i];
+    double moved = majorant(big);
+    bound = (moved - least) + TET_FILTER_IMPLICIT(k) * moved;
+  }
+  if (square_limit > 0) {
+    double squares = 0;
+    for (int i = 0; i < n; i++) squares += big[i] * big[i];
+    if (!(squares < square_limit)) return 0;
+  }
+  double p = value(d);
+  if (!(least > TET_FILTER_LEAST)) return 0;
+  return (p > bound) - (p < -bound);
+}
+
+/* d = x(v) - x(o), and the radius of its error where points are implicit. */
+static inline void tet_difference(const tet_points *p, uint32_t v, uint32_t o, double *d,
+                                  double *r) {
+  const double *x = p->x + 3 * (size_t)v, *y = p->x + 3 * (size_t)o;
+  /* A little more than u, for the rounding of r itself; and more than any denormal. */
+  double of_x = tet_is_implicit(p, v) ? 0x1.01p-53 : 0;
+  double of_y = tet_is_implicit(p, o) ? 0x1.01p-53 : 0;
+  for (int k = 0; k < 3; k++) {
+    d[k] = x[k] - y[k];
+    r[k] = fabs(x[k]) * of_x + fabs(y[k]) * of_y + 0x1p-1000;
+  }
+}
+
+#endif

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// The predicates: filter.h first, exact_stage.c where the filter cannot tell. The
+// symbolic perturbation of insphere is here as well; it is a perturbation of the
+// lifted weights by vertex number (Devillers, Teillaud 2011), and of nothing else.
+#include "exact/predicates.h"
+
+#include "exact/exact_stage.h"
+#include "exact/filter.h"
+
+static const double *xyz(const tet_points *p, uint32_t v) { return p->x + 3 * (size_t)v; }
+
+static inline void subtract(const double *a, const double *b, double *d) {
+  for (int k = 0; k < 3; k++) d[k] = a[k] - b[k];
+}
+
+static inline int any_implicit(const tet_points *p, const uint32_t *v, int n) {
+  int any = 0;
+  for (int i = 0; i < n; i++) any |= tet_is_implicit(p, v[i]);
+  return any;
+}
+
+static inline void make_refs(const tet_points *p, const uint32_t *v, int n, tet_point_ref *ref) {
+  for (int i = 0; i < n; i++) ref[i] = tet_ref(p, v[i]);
+}
+
+/* orient3d */
+
+static __attribute__((noinline)) int orient3d_explicit_exact(const double *a, const double *b,
+                                                             const double *c,
+                                                             const double *d) {
+  for (int k = 0; k < 3; k++) { /* in an axis plane, as often in made-up models */
+    if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) return 0;
+  }
+  tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
+  return tet_exact_orient3d(ref);
+}
+
+int tet_orient3d_xyz(const double *a, const double *b, const double *c, const double *d) {
+  double e[9];
+  subtract(b, a, e);
+  subtract(c, a, e + 3);
+  subtract(d, a, e + 6);
+  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, e, 0, 9,
+                        TET_ROUNDINGS_ORIENT3D, 0);
+  return sign ? sign : orient3d_explicit_exact(a, b, c, d);
+}
+
+static __attribute__((noinline)) int orient3d_implicit(const tet_points *p,
+                                                       const uint32_t v[4]) {
+  double d[9], r[9];
+  for (int i = 0; i < 3; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, d, r, 9,
+                        TET_ROUNDINGS_ORIENT3D, 0);
+  if (sign) return sign;
+  tet_point_ref ref[4];
+  make_refs(p, v, 4, ref);
+  return tet_exact_orient3d(ref);
+}
+
+int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  const uint32_t v[4] = {a, b, c, d};
+  if (any_implicit(p, v, 4)) return orient3d_implicit(p, v);
+  return tet_orient3d_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
+}
+
+/* insphere */
+
+static __attribute__((noinline)) int insphere_explicit_exact(const double *a, const double *b,
+                                                             const double *c, const double *d,
+                                                             const double *e) {
+  tet_point_ref ref[5] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d),
+                          tet_ref_xyz(e)};
+  return tet_exact_insphere(ref);
+}
+
+int tet_insphere_xyz(const double *a, const double *b, const double *c, const double *d,
+                     const double *e) {
+  double f[12];
+  subtract(a, e, f);
+  subtract(b, e, f + 3);
+  subtract(c, e, f + 6);
+  subtract(d, e, f + 9);
+  int sign = tet_filter(tet_insphere_value, tet_insphere_majorant, f, 0, 12,
+                        TET_ROUNDINGS_INSPHERE, TET_FILTER_SQUARE_LIMIT);
+  return sign ? sign : insphere_explicit_exact(a, b, c, d, e);
+}
+
+static __attribute__((noinline)) int insphere_implicit(const tet_points *p,
+                                                       const uint32_t v[5]) {
+  double d[12], r[12];
+  for (int i = 0; i < 4; i++) tet_difference(p, v[i], v[4], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_insphere_value, tet_insphere_majorant, d, r, 12,
+                        TET_ROUNDINGS_INSPHERE, TET_FILTER_SQUARE_LIMIT);
+  if (sign) return sign;
+  tet_point_ref ref[5];
+  make_refs(p, v, 5, ref);
+  return tet_exact_insphere(ref);
+}
+
+int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
+                 uint32_t e) {
+  const uint32_t v[5] = {a, b, c, d, e};
+  if (any_implicit(p, v, 5)) return insphere_implicit(p, v);
+  return tet_insphere_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e));
+}
+
+/* The lifted height of vertex v is raised by epsilon(v), where epsilon(v) is larger
+ * than any multiple of epsilon(w) for w < v. insphere is linear in the heights, so the
+ * vertex of the largest number whose coefficient is not zero decides. The coefficient
+ * of e is -orient3d(a,b,c,d): raised, e leaves the sphere. Those of the others follow
+ * by exchanging them with e, which also changes the sign. */
+static __attribute__((noinline)) int insphere_tie(const tet_points *p, const uint32_t v[5]) {
+  int order[5] = {0, 1, 2, 3, 4}; /* places in v, by falling vertex number */
+  for (int i = 1; i < 5; i++) {
+    for (int j = i; j > 0 && v[order[j - 1]] < v[order[j]]; j--) {
+      int t = order[j];
+      order[j] = order[j - 1];
+      order[j - 1] = t;
+    }
+  }
+  for (int i = 1; i < 5; i++) {
+    if (v[order[i - 1]] == v[order[i]]) return 0;
+  }
+  for (int i = 0; i < 5; i++) {
+    uint32_t q[5] = {v[0], v[1], v[2], v[3], v[4]};
+    q[order[i]] = v[4];
+    int sign = tet_orient3d(p, q[0], q[1], q[2], q[3]);
+    if (sign) return order[i] == 4 ? -sign : sign;
+  }
+  return 0;
+}
+
+int tet_insphere_sos(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
+                     uint32_t e) {
+  int sign = tet_insphere(p, a, b, c, d, e);
+  if (sign) return sign;
+  const uint32_t v[5] = {a, b, c, d, e};
+  return insphere_tie(p, v);
+}
+
+/* orient2d and collinearity */
+
+int tet_orient2d_xyz(int axis, const double *a, const double *b, const double *c) {
+  int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  double d[4] = {b[i] - a[i], b[j] - a[j], c[i] - a[i], c[j] - a[j]};
+  int sign = tet_filter(tet_orient2d_value, tet_orient2d_majorant, d, 0, 4,
+                        TET_ROUNDINGS_ORIENT2D, 0);
+  if (sign) return sign;
+  /* Two axis-parallel sides, or coincident points: differences are zero only exactly. */
+  if ((d[0] == 0 || d[3] == 0) && (d[1] == 0 || d[2] == 0)) return 0;
+  tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
+  return tet_exact_orient2d(axis, ref);
+}
+
+static __attribute__((noinline)) int orient2d_implicit(const tet_points *p, int axis,
+                                                       const uint32_t v[3]) {
+  double d[6], r[6];
+  for (int i = 0; i < 2; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  double plane_d[4] = {d[i], d[j], d[3 + i], d[3 + j]};
+  double plane_r[4] = {r[i], r[j], r[3 + i], r[3 + j]};
+  int sign = tet_filter(tet_orient2d_value, tet_orient2d_majorant, plane_d, plane_r, 4,
+                        TET_ROUNDINGS_ORIENT2D, 0);
+  if (sign) return sign;
+  tet_point_ref ref[3];
+  make_refs(p, v, 3, ref);
+  return tet_exact_orient2d(axis, ref);
+}
+
+int tet_orient2d(const tet_points *p, int axis, uint32_t a, uint32_t b, uint32_t c) {
+  const uint32_t v[3] = {a, b, c};
+  if (any_implicit(p, v, 3)) return orient2d_implicit(p, axis, v);
+  return tet_orient2d_xyz(axis, xyz(p, a), xyz(p, b), xyz(p, c));
+}
+
+int tet_collinear_xyz(const double *a, const double *b, const double *c) {
+  for (int axis = 0; axis < 3; axis++) {
+    if (tet_orient2d_xyz(axis, a, b, c)) return 0;
+  }
+  return 1;
+}
+
+int tet_collinear(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
+  for (int axis = 0; axis < 3; axis++) {
+    if (tet_orient2d(p, axis, a, b, c)) return 0;
+  }
+  return 1;
+}
+
+/* dot_sign */
+
+int tet_dot_sign_xyz(const double *a, const double *b, const double *c) {
+  double d[6];
+  subtract(a, c, d);
+  subtract(b, c, d + 3);
+  int sign = tet_filter(tet_dot_value, tet_dot_value, d, 0, 6, TET_ROUNDINGS_DOT, 0);
+  if (sign) return sign;
+  tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
+  return tet_exact_dot_sign(ref);
+}
+
+static __attribute__((noinline)) int dot_sign_implicit(const tet_points *p,
+                                                       const uint32_t v[3]) {
+  double d[6], r[6];
+  for (int i = 0; i < 2; i++) tet_difference(p, v[i], v[2], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_dot_value, tet_dot_value, d, r, 6, TET_ROUNDINGS_DOT, 0);
+  if (sign) return sign;
+  tet_point_ref ref[3];
+  make_refs(p, v, 3, ref);
+  return tet_exact_dot_sign(ref);
+}
+
+int tet_dot_sign(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
+  const uint32_t v[3] = {a, b, c};
+  if (any_implicit(p, v, 3)) return dot_sign_implicit(p, v);
+  return tet_dot_sign_xyz(xyz(p, a), xyz(p, b), xyz(p, c));
+}
+
+/* compare_distance */
+
+int tet_compare_distance_xyz(const double *a, const double *b, const double *c) {
+  double d[6];
+  subtract(b, a, d);
+  subtract(c, a, d + 3);
+  int sign = tet_filter(tet_compare_distance_value, tet_compare_distance_majorant, d, 0, 6,
+                        TET_ROUNDINGS_COMPARE_DISTANCE, 0);
+  if (sign) return sign;
+  tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
+  return tet_exact_compare_distance(ref);
+}
+
+static __attribute__((noinline)) int compare_distance_implicit(const tet_points *p,
+                                                               const uint32_t v[3]) {
+  double d[6], r[6];
+  for (int i = 0; i < 2; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_compare_distance_value, tet_compare_distance_majorant, d, r, 6,
+                        TET_ROUNDINGS_COMPARE_DISTANCE, 0);
+  if (sign) return sign;
+  tet_point_ref ref[3];
+  make_refs(p, v, 3, ref);
+  return tet_exact_compare_distance(ref);
+}
+
+int tet_compare_distance(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
+  const uint32_t v[3] = {a, b, c};
+  if (any_implicit(p, v, 3)) return compare_distance_implicit(p, v);
+  return tet_compare_distance_xyz(xyz(p, a), xyz(p, b), xyz(p, c));
+}
+
+/* in_diametric_ball3 */
+
+int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c,
+                               const double *d) {
+  double e[9];
+  subtract(b, a, e);
+  subtract(c, a, e + 3);
+  subtract(d, a, e + 6);
+  int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, e, 0, 9, TET_ROUNDINGS_BALL3,
+                        TET_FILTER_SQUARE_LIMIT);
+  if (sign) return sign;
+  tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
+  return tet_exact_diametric_ball3(ref);
+}
+
+static __attribute__((noinline)) int ball3_implicit(const tet_points *p, const uint32_t v[4]) {
+  double d[9], r[9];
+  for (int i = 0; i < 3; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, d, r, 9, TET_ROUNDINGS_BALL3,
+                        TET_FILTER_SQUARE_LIMIT);
+  if (sign) return sign;
+  tet_point_ref ref[4];
+  make_refs(p, v, 4, ref);
+  return tet_exact_diametric_ball3(ref);
+}
+
+int tet_in_diametric_ball3(const tet_points *p, uint32_t a, uint32_t b, uint32_t c,
+                           uint32_t d) {
+  const uint32_t v[4] = {a, b, c, d};
+  if (any_implicit(p, v, 4)) return ball3_implicit(p, v);
+  return tet_in_diametric_ball3_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
+}
