@@ -27,7 +27,7 @@ MAY_INCLUDE.update({
     "server/daemon": ["protocol"],
     "server/worker": ["protocol", "core/include"],
     "clients/c": ["protocol"],
-    "clients/formats": ["protocol/array.h"],
+    "clients/formats": ["protocol/array.h", "protocol/error.h"],
     "clients/cli": ["clients/c", "clients/formats"],
 })
 
