@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+/* complex.c: storage of the complex, and finding vertices, edges and faces in it.
+ *
+ * Insertion is in insertion.c. Nothing here decides by geometry. */
+#include "mesh/complex.h"
+
+#include <string.h>
+
+const uint8_t tet_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points) {
+  memset(c, 0, sizeof *c);
+  c->ctx = ctx;
+  c->points = points;
+  c->last = TET_NONE;
+  c->random = 2463534242u;
+}
+
+void tet_complex_free(tet_complex *c) {
+  void *all[] = {c->v, c->adj, c->flag, c->at, c->free_slots, c->cavity, c->border, c->made};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(c->ctx, all[i]);
+  memset(c, 0, sizeof *c);
+}
+
+tet_status tet_complex_reserve_vertices(tet_complex *c, uint32_t n) {
+  size_t before = c->cap_at;
+  tet_status status = tet_grow(c->ctx, &c->at, &c->cap_at, n, sizeof *c->at);
+  if (status != TET_OK) return status;
+  for (size_t i = before; i < c->cap_at; i++) c->at[i] = TET_NONE;
+  return TET_OK;
+}
+
+tet_status tet_complex_new(tet_complex *c, uint32_t *ret_t) {
+  if (c->n_free) {
+    *ret_t = c->free_slots[--c->n_free];
+    c->flag[*ret_t] = 0;
+    c->n_live++;
+    return TET_OK;
+  }
+  size_t n = (size_t)c->n_slots + 1;
+  if (n > (UINT32_MAX >> 2)) return tet_fail(c->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
+  tet_status status = tet_grow(c->ctx, &c->v, &c->cap_v, 4 * n, sizeof *c->v);
+  if (status == TET_OK) status = tet_grow(c->ctx, &c->adj, &c->cap_adj, 4 * n, sizeof *c->adj);
+  if (status == TET_OK) status = tet_grow(c->ctx, &c->flag, &c->cap_flag, n, sizeof *c->flag);
+  /* room to free every slot, so that freeing cannot fail */
+  if (status == TET_OK) status = tet_grow(c->ctx, &c->free_slots, &c->cap_free, n, sizeof *c->free_slots);
+  if (status != TET_OK) return status;
+  *ret_t = c->n_slots++;
+  c->flag[*ret_t] = 0;
+  c->n_live++;
+  return TET_OK;
+}
+
+void tet_complex_delete(tet_complex *c, uint32_t t) {
+  c->flag[t] = TET_FLAG_FREE;
+  c->free_slots[c->n_free++] = t;
+  c->n_live--;
+}
+
+tet_status tet_complex_star(tet_complex *c, uint32_t a) {
+  c->n_made = 0;
+  uint32_t first = c->at[a];
+  if (first == TET_NONE) return TET_OK;
+  tet_status status = tet_grow(c->ctx, &c->made, &c->cap_made, 1, sizeof *c->made);
+  if (status != TET_OK) return status;
+  c->made[c->n_made++] = first;
+  c->flag[first] |= TET_FLAG_MARK;
+  for (size_t k = 0; k < c->n_made && status == TET_OK; k++) {
+    uint32_t t = c->made[k];
+    for (int i = 0; i < 4 && status == TET_OK; i++) {
+      if (c->v[4 * (size_t)t + i] == a) continue;
+      uint32_t o = c->adj[4 * (size_t)t + i] >> 2;
+      if (c->flag[o] & TET_FLAG_MARK) continue;
+      status = tet_grow(c->ctx, &c->made, &c->cap_made, c->n_made + 1, sizeof *c->made);
+      if (status != TET_OK) break;
+      c->flag[o] |= TET_FLAG_MARK;
+      c->made[c->n_made++] = o;
+    }
+  }
+  for (size_t k = 0; k < c->n_made; k++) c->flag[c->made[k]] &= (uint8_t)~TET_FLAG_MARK;
+  return status;
+}
+
+tet_status tet_complex_find_edge(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t) {
+  *ret_t = TET_NONE;
+  tet_status status = tet_complex_star(c, a);
+  if (status != TET_OK) return status;
+  for (size_t k = 0; k < c->n_made; k++)
+    if (tet_index_of(c, c->made[k], b) < 4) {
+      *ret_t = c->made[k];
+      break;
+    }
+  return TET_OK;
+}
+
+uint32_t tet_complex_face_at_edge(const tet_complex *c, uint32_t t, uint32_t a, uint32_t b, uint32_t d) {
+  /* turn around ab from t; `w` is the vertex left behind */
+  uint32_t from = t, w = TET_NONE;
+  const uint32_t *v = c->v + 4 * (size_t)t;
+  for (int i = 0; i < 4; i++)
+    if (v[i] != a && v[i] != b) w = v[i];
+  do {
+    v = c->v + 4 * (size_t)t;
+    int i = 0;
+    while (v[i] == a || v[i] == b || v[i] == w) i++; /* the fourth vertex */
+    if (v[i] == d || w == d) {
+      int k = tet_index_of(c, t, v[i] == d ? w : v[i]);
+      uint32_t h = 4 * t + (uint32_t)k;
+      const uint8_t *f = tet_face[k];
+      for (int j = 0; j < 3; j++)
+        if (v[f[j]] == a && v[f[(j + 1) % 3]] == b) return h;
+      return c->adj[h];
+    }
+    uint32_t next = v[i];
+    t = c->adj[4 * (size_t)t + (size_t)tet_index_of(c, t, w)] >> 2;
+    w = next;
+  } while (t != from);
+  return TET_NONE;
+}
+
+tet_status tet_complex_find_face(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t *ret_handle) {
+  uint32_t t;
+  *ret_handle = TET_NONE;
+  tet_status status = tet_complex_find_edge(c, a, b, &t);
+  if (status == TET_OK && t != TET_NONE) *ret_handle = tet_complex_face_at_edge(c, t, a, b, d);
+  return status;
+}
