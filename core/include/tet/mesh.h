@@ -54,20 +54,25 @@ typedef struct tet_quality {
 typedef struct tet_promise {
   int delaunay;              /* every face locally Delaunay */
   int constrained_delaunay;  /* every face off the subfaces locally Delaunay */
-  int gabriel;               /* subfaces and subsegments Gabriel */
+  int gabriel;               /* subfaces and subsegments Gabriel, creases aside */
+  int covered;               /* every face of the mesh's boundary is a subface */
   double radius_edge;        /* bound, the listed exceptions aside; 0: none */
   double max_volume;         /* bound, the listed exceptions aside; 0: none */
+  int region_volumes;        /* the regions' own bounds hold, the exceptions aside */
   double planarity;          /* largest deviation of a polygon from its plane */
 } tet_promise;
 
 /* What `audit` found by exact arithmetic on the arrays below: counts of faults. */
 typedef struct tet_audit {
+  uint64_t bad_indices;         /* out of range; if any, nothing else was looked at */
   uint64_t flat_or_inverted;
   uint64_t adjacency;           /* faces with more than two tetrahedra, one side */
   uint64_t not_delaunay;        /* interior faces, subfaces included */
   uint64_t not_constrained_delaunay; /* interior faces that are no subfaces */
   uint64_t subfaces_missing;    /* listed, but no face of the mesh */
   uint64_t subsegments_missing;
+  uint64_t uncovered;           /* boundary faces that are no subfaces */
+  uint64_t broken_segments;     /* whose subsegments are not one open chain */
   uint64_t subfaces_encroached; /* not Gabriel */
   uint64_t subsegments_encroached;
   uint64_t over_radius_edge;    /* not listed as exceptions, over the bound */
@@ -135,6 +140,7 @@ typedef struct tet_mesh {
   uint32_t n_regions;
   int32_t *region_markers;    /* [n]; seeds keep theirs, others are numbered on */
   double *region_attributes;  /* [n] */
+  double *region_max_volumes; /* [n]; 0: none */
 
   uint32_t n_exceptions;            /* tetrahedra that break the promised bound */
   uint32_t *exception_tetrahedra;   /* [n] */

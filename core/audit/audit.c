@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+/* audit.c: orientation, adjacency, the Delaunay and Gabriel properties, subfaces,
+ * regions and bounds of a finished mesh (thesis 2.3, 3.2; 2.2 for what a mesh is).
+ *
+ * Every property is decided by its definition: local Delaunay at each face by
+ * the opposite vertex, Gabriel at each subface by both apexes. */
+#include "audit/audit.h"
+
+#include "audit/edges.h"
+#include "audit/faces.h"
+#include "audit/quality.h"
+#include "exact/predicates.h"
+
+#include <string.h>
+
+enum { FLAT = 1, EXCEPTION = 2 };
+
+typedef struct auditor {
+  tet_ctx *ctx;
+  const tet_mesh *mesh;
+  tet_face_table faces;
+  uint8_t *subface; /* [4 n_tetrahedra] 1: the face of this handle is a subface */
+  uint8_t *flag;    /* [n_tetrahedra] */
+  tet_audit found;
+} auditor;
+
+static const double *place(const tet_mesh *mesh, uint32_t v) { return mesh->points + 3 * (size_t)v; }
+
+static uint64_t beyond(const uint32_t *index, uint64_t n, uint32_t limit) {
+  uint64_t count = 0;
+  for (uint64_t i = 0; i < n; i++) count += index[i] >= limit;
+  return count;
+}
+
+static uint64_t count_bad_indices(const tet_mesh *m) {
+  uint64_t bad = beyond(m->tetrahedra, 4 * (uint64_t)m->n_tetrahedra, m->n_points) +
+                 beyond(m->tetrahedron_regions, m->n_tetrahedra, m->n_regions) +
+                 beyond(m->subfaces, 3 * (uint64_t)m->n_subfaces, m->n_points) +
+                 beyond(m->subsegments, 2 * (uint64_t)m->n_subsegments, m->n_points) +
+                 beyond(m->exception_tetrahedra, m->n_exceptions, m->n_tetrahedra) +
+                 beyond(m->point_same_as, m->n_input_points, m->n_points);
+  for (uint64_t i = 0; m->neighbours && i < 4 * (uint64_t)m->n_tetrahedra; i++)
+    bad += m->neighbours[i] >= m->n_tetrahedra && m->neighbours[i] != TET_NONE;
+  return bad;
+}
+
+/* Orientation, radius-edge bound and volume bounds. */
+static tet_status check_shapes(auditor *a) {
+  const tet_mesh *m = a->mesh;
+  const tet_promise *promised = &m->report.promised;
+  const double slack = 1 + 1e-9;
+  for (uint32_t i = 0; i < m->n_exceptions; i++) a->flag[m->exception_tetrahedra[i]] |= EXCEPTION;
+  for (uint32_t t = 0; t < m->n_tetrahedra; t++) {
+    const uint32_t *v = m->tetrahedra + 4 * (size_t)t;
+    if (tet_orient3d_xyz(place(m, v[0]), place(m, v[1]), place(m, v[2]), place(m, v[3])) <= 0) {
+      a->found.flat_or_inverted++;
+      a->flag[t] |= FLAT;
+    } else if (!(a->flag[t] & EXCEPTION)) {
+      tet_shape s = tet_shape_of(m->points, v);
+      double own = promised->region_volumes ? m->region_max_volumes[m->tetrahedron_regions[t]] : 0;
+      a->found.over_radius_edge += promised->radius_edge > 0 && s.radius_edge > promised->radius_edge * slack;
+      a->found.over_volume += (promised->max_volume > 0 && s.volume > promised->max_volume * slack) ||
+                              (own > 0 && s.volume > own * slack);
+    }
+    tet_status status = (t & 1023) == 0 ? tet_poll(a->ctx) : TET_OK;
+    if (status != TET_OK) return status;
+  }
+  return TET_OK;
+}
+
+/* Finds every subface among the faces and marks both sides. */
+static tet_status match_subfaces(auditor *a) {
+  const tet_mesh *m = a->mesh;
+  for (uint32_t s = 0; s < m->n_subfaces; s++) {
+    uint32_t n, first = tet_face_table_find(&a->faces, m->subfaces + 3 * (size_t)s, &n);
+    int again = n && a->subface[a->faces.handle[first]];
+    a->found.subfaces_missing += n == 0 || again;
+    for (uint32_t i = 0; i < n; i++) a->subface[a->faces.handle[first + i]] = 1;
+    tet_status status = (s & 1023) == 0 ? tet_poll(a->ctx) : TET_OK;
+    if (status != TET_OK) return status;
+  }
+  return TET_OK;
+}
+
+static void check_pair(auditor *a, uint32_t h, uint32_t g) {
+  const tet_mesh *m = a->mesh;
+  uint32_t t = h / 4, u = g / 4, face[3];
+  const uint32_t *v = m->tetrahedra + 4 * (size_t)t, *w = m->tetrahedra + 4 * (size_t)u;
+  int one_side = tet_face_vertices(m, h, face) == tet_face_vertices(m, g, face);
+  a->found.adjacency += one_side;
+  if (!a->subface[h] && m->tetrahedron_regions[t] != m->tetrahedron_regions[u]) a->found.region_leaks++;
+  if (one_side || ((a->flag[t] | a->flag[u]) & FLAT)) return;
+  if (tet_insphere_xyz(place(m, v[0]), place(m, v[1]), place(m, v[2]), place(m, v[3]), place(m, w[g % 4])) > 0) {
+    a->found.not_delaunay++;
+    a->found.not_constrained_delaunay += !a->subface[h];
+  }
+}
+
+/* The `n` sides, from place `i` of the table on, of one face. */
+static void check_face(auditor *a, uint32_t i, uint32_t n) {
+  const tet_mesh *m = a->mesh;
+  const uint32_t *handle = a->faces.handle + i;
+  uint32_t v[3];
+  int encroached = 0;
+  if (n > 2) a->found.adjacency++;
+  if (n == 1 && !a->subface[handle[0]]) a->found.uncovered++;
+  if (n == 2) check_pair(a, handle[0], handle[1]);
+  for (uint32_t k = 0; k < n; k++) {
+    uint32_t h = handle[k], apex = m->tetrahedra[h];
+    if (m->neighbours) {
+      uint32_t other = n == 1 ? TET_NONE : handle[k == 0] / 4;
+      a->found.adjacency += m->neighbours[h] != other;
+    }
+    if (!a->subface[h]) continue;
+    tet_face_vertices(m, h, v);
+    encroached |= tet_in_diametric_ball3_xyz(place(m, v[0]), place(m, v[1]), place(m, v[2]), place(m, apex)) > 0;
+  }
+  a->found.subfaces_encroached += (uint64_t)encroached;
+}
+
+static tet_status check_faces(auditor *a) {
+  const tet_mesh *m = a->mesh;
+  tet_status status = tet_face_table_build(a->ctx, m, &a->faces);
+  if (status == TET_OK) status = match_subfaces(a);
+  uint32_t n = 4 * m->n_tetrahedra, step = 0;
+  for (uint32_t i = 0, run; status == TET_OK && i < n; i += run) {
+    run = tet_face_table_run(&a->faces, i);
+    check_face(a, i, run);
+    if ((step++ & 1023) == 0) {
+      status = tet_poll(a->ctx);
+      tet_progress_report(a->ctx, (double)i / n, m->n_points, m->n_tetrahedra, i);
+    }
+  }
+  return status;
+}
+
+static int holds(const tet_promise *p, const tet_audit *f) {
+  if (f->bad_indices || f->flat_or_inverted || f->adjacency || f->subfaces_missing || f->subsegments_missing) return 0;
+  if (f->region_leaks || f->broken_segments || f->over_radius_edge || f->over_volume) return 0;
+  if (p->delaunay && f->not_delaunay) return 0;
+  if (p->constrained_delaunay && f->not_constrained_delaunay) return 0;
+  if (p->gabriel && (f->subfaces_encroached || f->subsegments_encroached)) return 0;
+  return !(p->covered && f->uncovered);
+}
+
+tet_status tet_audit_mesh(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *ret_audit) {
+  auditor a = {.ctx = ctx, .mesh = mesh};
+  a.found.bad_indices = count_bad_indices(mesh);
+  tet_status status = TET_OK;
+  if (!a.found.bad_indices) {
+    a.subface = tet_calloc(ctx, 4 * (size_t)mesh->n_tetrahedra, 1);
+    a.flag = tet_calloc(ctx, mesh->n_tetrahedra, 1);
+    if (!a.subface || !a.flag) status = tet_ctx_error(ctx)->status;
+    if (status == TET_OK) status = check_shapes(&a);
+    if (status == TET_OK) status = check_faces(&a);
+    tet_free(ctx, a.subface);
+    tet_free(ctx, a.flag);
+    tet_face_table_free(ctx, &a.faces);
+    if (status == TET_OK) status = tet_audit_edges(ctx, mesh, &a.found);
+  }
+  if (status != TET_OK) return status;
+  a.found.passed = holds(&mesh->report.promised, &a.found);
+  *ret_audit = a.found;
+  return TET_OK;
+}

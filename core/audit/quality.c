@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/* quality.c: radius-edge ratio (thesis 3.2.1), dihedral angles and aspect ratio
+ * of every tetrahedron, and their histograms. */
+#include "audit/quality.h"
+
+#include <math.h>
+#include <string.h>
+
+static void subtract(const double a[3], const double b[3], double ret[3]) {
+  for (int k = 0; k < 3; k++) ret[k] = a[k] - b[k];
+}
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double a[3], const double b[3], double ret[3]) {
+  ret[0] = a[1] * b[2] - a[2] * b[1];
+  ret[1] = a[2] * b[0] - a[0] * b[2];
+  ret[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
+  const double *p[4];
+  for (int i = 0; i < 4; i++) p[i] = points + 3 * (size_t)v[i];
+  double u[3][3], n[4][3], area2[4];
+  double shortest = INFINITY, longest = 0;
+  for (int i = 0; i < 4; i++)
+    for (int j = i + 1; j < 4; j++) {
+      double e[3];
+      subtract(p[j], p[i], e);
+      double l = dot(e, e);
+      if (l < shortest) shortest = l;
+      if (l > longest) longest = l;
+    }
+  for (int k = 0; k < 3; k++) subtract(p[k + 1], p[0], u[k]);
+  cross(u[2], u[1], n[1]); /* n[i]: normal of face i, all outward, of twice its area */
+  cross(u[0], u[2], n[2]);
+  cross(u[1], u[0], n[3]);
+  for (int k = 0; k < 3; k++) n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
+  double det = -dot(n[3], u[2]), largest = 0;
+  for (int i = 0; i < 4; i++) {
+    area2[i] = dot(n[i], n[i]);
+    if (area2[i] > largest) largest = area2[i];
+  }
+  double centre[3]; /* from p[0], times 2 det */
+  for (int k = 0; k < 3; k++)
+    centre[k] = -(dot(u[0], u[0]) * n[1][k] + dot(u[1], u[1]) * n[2][k] + dot(u[2], u[2]) * n[3][k]);
+  tet_shape s = {.volume = det / 6, .radius_edge = INFINITY, .aspect = INFINITY, .cos_smallest = -1, .cos_largest = 1};
+  if (det != 0) {
+    s.radius_edge = sqrt(dot(centre, centre)) / (2 * fabs(det)) / sqrt(shortest);
+    s.aspect = sqrt(longest) * sqrt(largest) / fabs(det);
+  }
+  for (int i = 0; i < 4; i++)
+    for (int j = i + 1; j < 4; j++) {
+      double c = -dot(n[i], n[j]) / (sqrt(area2[i]) * sqrt(area2[j]));
+      if (c > s.cos_smallest) s.cos_smallest = c;
+      if (c < s.cos_largest) s.cos_largest = c;
+    }
+  if (s.cos_smallest > 1) s.cos_smallest = 1;
+  if (s.cos_largest < -1) s.cos_largest = -1;
+  return s;
+}
+
+static void histogram_begin(tet_histogram *h, const double *edges, uint32_t n_edges) {
+  memset(h, 0, sizeof *h);
+  h->n_bins = n_edges - 1;
+  memcpy(h->edges, edges, n_edges * sizeof *edges);
+  h->min = INFINITY;
+  h->max = -INFINITY;
+}
+
+static void histogram_add(tet_histogram *h, double value) {
+  uint32_t i = h->n_bins - 1;
+  while (i > 0 && value < h->edges[i]) i--;
+  h->bins[i]++;
+  if (value < h->min) h->min = value;
+  if (value > h->max) h->max = value;
+}
+
+/* An empty mesh has no extremes. */
+static void histogram_end(tet_histogram *h) {
+  if (h->min > h->max) h->min = h->max = 0;
+}
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+tet_status tet_measure_quality(tet_ctx *ctx, const tet_mesh *mesh, tet_quality *ret_quality) {
+  static const double ratios[] = {0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 4, 6, 10, 100, INFINITY};
+  static const double smallest[] = {0, 1, 2, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 71};
+  static const double largest[] = {70, 80, 90, 100, 110, 120, 130, 140, 150, 160, 165, 170, 175, 178, 179, 180};
+  static const double aspects[] = {1.2, 1.5, 2, 2.5, 3, 4, 6, 10, 15, 25, 50, 100, 1000, 10000, INFINITY};
+  const double degrees = 57.295779513082321;
+  tet_quality q = {.volume = 0};
+  histogram_begin(&q.radius_edge, ratios, COUNT(ratios));
+  histogram_begin(&q.dihedral_min, smallest, COUNT(smallest));
+  histogram_begin(&q.dihedral_max, largest, COUNT(largest));
+  histogram_begin(&q.aspect, aspects, COUNT(aspects));
+  for (uint32_t t = 0; t < mesh->n_tetrahedra; t++) {
+    tet_status status = (t & 4095) == 0 ? tet_poll(ctx) : TET_OK;
+    if (status != TET_OK) return status;
+    tet_shape s = tet_shape_of(mesh->points, mesh->tetrahedra + 4 * (size_t)t);
+    q.volume += s.volume;
+    histogram_add(&q.radius_edge, s.radius_edge);
+    histogram_add(&q.dihedral_min, degrees * acos(s.cos_smallest));
+    histogram_add(&q.dihedral_max, degrees * acos(s.cos_largest));
+    histogram_add(&q.aspect, s.aspect);
+  }
+  histogram_end(&q.radius_edge);
+  histogram_end(&q.dihedral_min);
+  histogram_end(&q.dihedral_max);
+  histogram_end(&q.aspect);
+  *ret_quality = q;
+  return TET_OK;
+}
