@@ -75,13 +75,18 @@ def judge():
     return program
 
 
-def as_judge_reads(model, scratch):
-    """The model in a format that the judge reads."""
-    if model.suffix.lower() in (".poly", ".smesh", ".off"):
+def as_off(model, scratch):
+    """A surface model as .off."""
+    if model.suffix.lower() == ".off":
         return model
     surface = pathlib.Path(scratch) / (model.stem + ".off")
     subprocess.run([sys.executable, SHARED / "judge/tooff.py", model, surface], check=True)
     return surface
+
+
+def as_judge_reads(model, scratch):
+    """The model in a format that the judge reads."""
+    return model if model.suffix.lower() in (".poly", ".smesh") else as_off(model, scratch)
 
 
 def run_mesher(model, out, *options, timeout=300):
@@ -111,7 +116,8 @@ def check(program, model, stage, folder_out):
     Returns (fault, report): an empty fault means that everything holds."""
     prefix = pathlib.Path(folder_out) / f"{model.stem}.{stage}"
     out = pathlib.Path(str(prefix) + ".node")
-    done, report = run_mesher(model, out, "--stage", stage, "--radius-edge", str(RADIUS_EDGE))
+    bound = ["--radius-edge", str(RADIUS_EDGE)] if stage == "refine" else []
+    done, report = run_mesher(model, out, "--stage", stage, *bound)
     if done.returncode != 0:
         return f"tetractl ended with {done.returncode}: {done.stderr.strip()[-400:]}", report
     if report is None:
