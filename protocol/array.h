@@ -34,7 +34,7 @@ typedef struct tp_array {
   char name[TP_NAME_SIZE]; /* lower case, digits, '_'; NUL-terminated */
   tp_dtype dtype;
   unsigned ndim;           /* 1 or 2 */
-  uint64_t shape[2];       /* shape[1] is 1 if ndim is 1 */
+  uint64_t shape[2];       /* shape[1] >= 1, and 1 if ndim is 1 */
   void *data;              /* NULL allowed if there are no elements */
   bool owned;              /* data is freed (with free) together with the array */
 } tp_array;
@@ -89,10 +89,9 @@ const void *tp_arrays_data(const tp_arrays *set, const char *name, uint64_t *ret
 typedef struct tp_field {
   const char *name;
   tp_dtype dtype;
-  unsigned columns;    /* 1: shape [n]; more: [n, columns]; TP_ANY_COLUMNS: [n, k], any k */
+  unsigned columns;    /* 1: shape [n]; more: [n, columns]; TP_ANY_COLUMNS: [n, k], k >= 1 */
   bool required;
-  const char *rows_of; /* rows equal those of that array (plus `more`); NULL: free */
-  unsigned more;       /* 1 for CSR starts */
+  const char *rows_of; /* needs that array, and has as many rows; NULL: free */
 } tp_field;
 
 enum { TP_ANY_COLUMNS = 0 };

@@ -60,8 +60,12 @@ tp_code tp_encode(tp_codec codec, tp_dtype dtype, uint64_t columns, uint64_t row
 tp_code tp_decode(tp_codec codec, tp_dtype dtype, uint64_t columns, uint64_t rows, const void *in,
                   size_t in_size, void *out, uint32_t *ret_crc, tp_error *error);
 
+/* Whether in_size encoded bytes can decode to `bytes` at all (deflate's ratio ends at
+ * 1032): looked at before memory for the decoded bytes is taken. */
+bool tp_codec_fits(tp_codec codec, uint64_t in_size, uint64_t bytes);
+
 /* Rows of a chunk: as many as fit 1 MiB raw, at least 1. A chunk of the last rows
- * may hold fewer. columns 0 counts as rows of no bytes: all rows in one chunk. */
+ * may hold fewer. columns >= 1. */
 uint64_t tp_chunk_rows(tp_dtype dtype, uint64_t columns);
 
 /* Chunks of an array of `rows` rows: ceil(rows / rows_per_chunk); 0 rows, 0 chunks. */

@@ -72,6 +72,9 @@ typedef enum tp_code {
 
 enum { TP_JOB_CODE_BASE = 100 };
 
+/* No integer in JSON goes beyond it, either way. */
+#define TP_MAX_INTEGER INT64_C(9007199254740992) /* 2^53 */
+
 enum { TP_ERROR_TEXT = 256, TP_ERROR_WHERE = 64 };
 
 /* What a failing call tells. Filled only on failure; passing NULL is allowed. */

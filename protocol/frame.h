@@ -26,7 +26,6 @@ enum {
   TP_MAX_DEPTH = 16,      /* nested objects and lists of a line, the outermost is 1 */
   TP_MAX_ID = 64          /* bytes of a request id that is a string */
 };
-#define TP_MAX_INTEGER INT64_C(9007199254740992) /* 2^53 */
 
 typedef struct tp_reader tp_reader;
 

@@ -36,8 +36,8 @@ tp_code tp_upload_check(const json_t *object, const tp_schema *schema, uint64_t 
  * nested lists, parses JSON text in the body (an object of nested lists; duplicate
  * keys refused, depth at most 16), compares given CRCs, and validates the set
  * (tp_arrays_validate). On success *ret_set owns copies of everything. max_bytes
- * bounds the decoded bytes together. Errors: TP_E_UPLOAD or TP_E_PARAMS, `where`
- * the array; TP_E_INTERNAL (no memory); *ret_set is untouched. */
+ * bounds the decoded bytes together. Errors: TP_E_UPLOAD, `where` the array;
+ * TP_E_INTERNAL (no memory); *ret_set is untouched. */
 tp_code tp_unpack(const json_t *object, const tp_schema *schema, const void *body,
                   size_t body_size, uint64_t max_bytes, tp_arrays *ret_set, tp_error *error);
 
