@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CODE = ("core", "protocol", "server", "clients")
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.M)
 
-# A part of the project: (its folder, the folders whose headers it may include beside its own).
+# The parts of the project, folders or single files: what each may include beside its own.
 CORE_CHAIN = ["core/base", "core/exact", "core/mesh", "core/build", "core/refine"]
 MAY_INCLUDE = {"core/include": []}
 for place, folder in enumerate(CORE_CHAIN):
@@ -24,8 +24,10 @@ MAY_INCLUDE.update({
     "core/audit": ["core/include", "core/base", "core/exact"],
     "core/engine": ["core/include", *CORE_CHAIN, "core/dual", "core/audit"],
     "protocol": [],
-    "server/daemon": ["protocol"],
-    "server/worker": ["protocol", "core/include"],
+    "server/log.h": [],
+    "server/log.c": ["server/log.h"],
+    "server/daemon": ["protocol", "server/log.h"],
+    "server/worker": ["protocol", "server/log.h", "core/include"],
     "clients/c": ["protocol"],
     "clients/formats": ["protocol/array.h", "protocol/error.h"],
     "clients/cli": ["clients/c", "clients/formats"],
@@ -43,6 +45,10 @@ def sources(suffixes, folders=CODE + ("tests",)):
     return sorted(p for f in folders for p in (ROOT / f).rglob("*") if p.suffix in suffixes and p.is_file())
 
 
+def within(name, part):
+    return name == part or name.startswith(part + "/")
+
+
 def relative(path):
     return path.relative_to(ROOT).as_posix()
 
@@ -50,7 +56,7 @@ def relative(path):
 def part_of(path):
     """The part that a path belongs to, or None."""
     name = relative(path)
-    owners = [part for part in MAY_INCLUDE if name.startswith(part + "/")]
+    owners = [part for part in MAY_INCLUDE if within(name, part)]
     return max(owners, key=len, default=None)
 
 
@@ -68,7 +74,7 @@ def includes(source):
 
 def allowed(part, target):
     name = relative(target.resolve())
-    return any(name == other or name.startswith(other + "/") for other in [part, *MAY_INCLUDE[part]])
+    return any(within(name, other) for other in [part, *MAY_INCLUDE[part]])
 
 
 C_SOURCES = sources({".c", ".h"}, CODE)
