@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+/* engine.c: the pipeline from a PLS to an audited mesh. */
+#include <tet/engine.h>
+
+#include "audit/audit.h"
+#include "audit/quality.h"
+#include "build/build.h"
+#include "engine/check.h"
+#include "engine/order.h"
+#include "engine/pack.h"
+#include "refine/refine.h"
+
+#include <string.h>
+
+void tet_options_default(tet_options *options) {
+  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .point_order = TET_ORDER_INPUT_FIRST};
+}
+
+void tet_mesh_free(tet_mesh *mesh) {
+  if (!mesh) return;
+  tet_ctx *ctx = mesh->ctx;
+  void *all[] = {mesh->points, mesh->point_attributes, mesh->point_markers, mesh->point_origin, mesh->point_same_as,
+                 mesh->tetrahedra, mesh->tetrahedron_regions, mesh->neighbours, mesh->subfaces, mesh->subface_facets,
+                 mesh->subface_markers, mesh->subsegments, mesh->subsegment_segments, mesh->subsegment_markers,
+                 mesh->region_markers, mesh->region_attributes, mesh->region_max_volumes, mesh->exception_tetrahedra,
+                 mesh->exception_radius_edge, mesh->exception_segments, mesh};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
+}
+
+static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_result *built, tet_refine_result *ret) {
+  tet_refine_options how;
+  tet_refine_options_default(&how);
+  how.radius_edge = options->radius_edge;
+  how.max_volume = options->max_volume;
+  tet_stage_begin(ctx, "refine");
+  tet_status status = tet_refine(ctx, &built->pieces, &how, ret);
+  if (status == TET_OK) tet_stage_counts(ctx, built->pieces.n_points, built->pieces.n_tets);
+  return status;
+}
+
+/* What the stages claim; the audit then looks whether it is so. */
+static tet_promise promise(const tet_options *options, double planarity, const tet_refine_result *refined) {
+  tet_promise p = {.planarity = planarity};
+  p.covered = options->stage != TET_STAGE_DELAUNAY && !options->keep_hull;
+  p.constrained_delaunay = refined ? refined->constrained_delaunay : 1;
+  p.delaunay = options->stage == TET_STAGE_DELAUNAY;
+  if (refined) {
+    p.gabriel = refined->gabriel;
+    p.delaunay = refined->gabriel && refined->constrained_delaunay; /* Gabriel faces are Delaunay */
+    p.radius_edge = options->radius_edge;
+    p.max_volume = options->max_volume;
+    p.region_volumes = 1;
+  }
+  return p;
+}
+
+static void count(tet_report *report, const tet_build_result *built, const tet_refine_result *refined) {
+  report->counts = built->counts;
+  if (!refined) return;
+  report->rejected = refined->rejected;
+  report->counts.refine_segment_points = refined->segment_points;
+  report->counts.refine_facet_points = refined->facet_points;
+  report->counts.refine_volume_points = refined->volume_points;
+}
+
+/* Packs, orders and audits; ends the last stage. */
+static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_build_result *built,
+                         tet_refine_result *refined, tet_mesh *mesh) {
+  tet_report *report = &mesh->report;
+  tet_status status = tet_pack_mesh(ctx, pls, options, built, refined, mesh);
+  if (status == TET_OK) status = tet_order_mesh(ctx, mesh, options->point_order);
+  if (status != TET_OK) return status;
+  report->promised = promise(options, built->planarity, refined);
+  count(report, built, refined);
+  tet_stage_begin(ctx, "audit");
+  status = tet_audit_mesh(ctx, mesh, &report->audit);
+  if (status == TET_OK) status = tet_measure_quality(ctx, mesh, &report->quality);
+  if (status != TET_OK) return status;
+  tet_stage_end(ctx);
+  const tet_stage_report *stages = tet_stages(ctx, &report->n_stages);
+  memcpy(report->stages, stages, report->n_stages * sizeof *stages);
+  report->peak_bytes = tet_ctx_peak_bytes(ctx);
+  return TET_OK;
+}
+
+/* From checked input to *ret_mesh. */
+static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
+  tet_build_options how = {options->stage, options->keep_hull, options->planarity_tolerance};
+  tet_build_result built;
+  tet_refine_result refined = {.n_exceptions = 0};
+  int refining = options->stage == TET_STAGE_REFINE;
+  tet_status status = tet_build(ctx, pls, &how, &built);
+  if (status != TET_OK) return status;
+  if (refining) status = refine(ctx, options, &built, &refined);
+  tet_mesh *mesh = NULL;
+  if (status == TET_OK) {
+    mesh = tet_calloc(ctx, 1, sizeof *mesh);
+    status = mesh ? TET_OK : tet_ctx_error(ctx)->status;
+  }
+  if (status == TET_OK) {
+    mesh->ctx = ctx;
+    status = finish(ctx, pls, options, &built, refining ? &refined : NULL, mesh);
+  }
+  tet_build_result_free(ctx, &built);
+  tet_refine_result_free(ctx, &refined);
+  if (status == TET_OK)
+    *ret_mesh = mesh;
+  else
+    tet_mesh_free(mesh);
+  return status;
+}
+
+tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
+  tet_stages_clear(ctx);
+  tet_status status = tet_check_options(ctx, options);
+  if (status == TET_OK) status = tet_check_pls(ctx, pls);
+  if (status == TET_OK) status = run(ctx, pls, options, ret_mesh);
+  tet_stage_end(ctx);
+  return status;
+}
