@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The predicates: filter.h first, exact_stage.c where the filter cannot tell. The
+// The predicates: filter.h first; where the filter cannot tell, for the two that
+// matter most grid_stage.c if the points fit its grid; else exact_stage.c. The
 // symbolic perturbation of insphere is here as well; it is a perturbation of the
 // lifted weights by vertex number (Devillers, Teillaud 2011), and of nothing else.
 #include "exact/predicates.h"
 
 #include "exact/exact_stage.h"
 #include "exact/filter.h"
+#include "exact/grid_stage.h"
 
 static const double *xyz(const tet_points *p, uint32_t v) { return p->x + 3 * (size_t)v; }
 
@@ -25,6 +27,11 @@ static inline void make_refs(const tet_points *p, const uint32_t *v, int n, tet_
 
 /* orient3d */
 
+static int orient3d_exact(const tet_point_ref point[4]) {
+  int sign;
+  return tet_grid_orient3d(point, &sign) ? sign : tet_exact_orient3d(point);
+}
+
 static __attribute__((noinline)) int orient3d_explicit_exact(const double *a, const double *b,
                                                              const double *c,
                                                              const double *d) {
@@ -32,7 +39,7 @@ static __attribute__((noinline)) int orient3d_explicit_exact(const double *a, co
     if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) return 0;
   }
   tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
-  return tet_exact_orient3d(ref);
+  return orient3d_exact(ref);
 }
 
 int tet_orient3d_xyz(const double *a, const double *b, const double *c, const double *d) {
@@ -54,7 +61,7 @@ static __attribute__((noinline)) int orient3d_implicit(const tet_points *p,
   if (sign) return sign;
   tet_point_ref ref[4];
   make_refs(p, v, 4, ref);
-  return tet_exact_orient3d(ref);
+  return orient3d_exact(ref);
 }
 
 int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
@@ -65,12 +72,17 @@ int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
 
 /* insphere */
 
+static int insphere_exact(const tet_point_ref point[5]) {
+  int sign;
+  return tet_grid_insphere(point, &sign) ? sign : tet_exact_insphere(point);
+}
+
 static __attribute__((noinline)) int insphere_explicit_exact(const double *a, const double *b,
                                                              const double *c, const double *d,
                                                              const double *e) {
   tet_point_ref ref[5] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d),
                           tet_ref_xyz(e)};
-  return tet_exact_insphere(ref);
+  return insphere_exact(ref);
 }
 
 int tet_insphere_xyz(const double *a, const double *b, const double *c, const double *d,
@@ -94,7 +106,7 @@ static __attribute__((noinline)) int insphere_implicit(const tet_points *p,
   if (sign) return sign;
   tet_point_ref ref[5];
   make_refs(p, v, 5, ref);
-  return tet_exact_insphere(ref);
+  return insphere_exact(ref);
 }
 
 int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
