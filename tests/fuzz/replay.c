@@ -26,7 +26,7 @@ static uint64_t next_random(uint64_t *state) {
 
 // Runs the target on an exact-size copy, so that a read past the end is one past the block.
 static void run_once(const uint8_t *data, size_t size) {
-  uint8_t *copy = malloc(size > 0 ? size : 1);
+  uint8_t *copy = calloc(size > 0 ? size : 1, 1);
   if (copy == NULL) {
     perror("replay");
     exit(2);
