@@ -16,17 +16,6 @@ void tet_options_default(tet_options *options) {
   *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .point_order = TET_ORDER_INPUT_FIRST};
 }
 
-void tet_mesh_free(tet_mesh *mesh) {
-  if (!mesh) return;
-  tet_ctx *ctx = mesh->ctx;
-  void *all[] = {mesh->points, mesh->point_attributes, mesh->point_markers, mesh->point_origin, mesh->point_same_as,
-                 mesh->tetrahedra, mesh->tetrahedron_regions, mesh->neighbours, mesh->subfaces, mesh->subface_facets,
-                 mesh->subface_markers, mesh->subsegments, mesh->subsegment_segments, mesh->subsegment_markers,
-                 mesh->region_markers, mesh->region_attributes, mesh->region_max_volumes, mesh->exception_tetrahedra,
-                 mesh->exception_radius_edge, mesh->exception_segments, mesh};
-  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
-}
-
 static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_result *built, tet_refine_result *ret) {
   tet_refine_options how;
   tet_refine_options_default(&how);
