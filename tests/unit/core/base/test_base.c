@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Sorting, Hilbert keys, accounted memory, polling and the stage clock. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/context.h"
+#include "base/hilbert.h"
+#include "base/sort.h"
+
+static uint64_t next(uint64_t *state) { /* xorshift */
+  *state ^= *state << 13;
+  *state ^= *state >> 7;
+  return *state ^= *state << 17;
+}
+
+static void check_sorted(tet_keyed *x, size_t n) {
+  uint64_t sum = 0, after = 0;
+  for (size_t i = 0; i < n; i++) sum += x[i].key * 31 + x[i].value;
+  tet_sort_keyed(x, n);
+  for (size_t i = 0; i < n; i++) after += x[i].key * 31 + x[i].value;
+  assert_true(sum == after);
+  for (size_t i = 1; i < n; i++)
+    assert_true(x[i - 1].key < x[i].key || (x[i - 1].key == x[i].key && x[i - 1].value <= x[i].value));
+}
+
+static void sorts(void **state) {
+  (void)state;
+  enum { N = 20000 };
+  tet_keyed *x = malloc(N * sizeof *x);
+  uint64_t seed = 12345;
+  for (size_t n = 0; n < 200; n++) {
+    for (size_t i = 0; i < n; i++) x[i] = (tet_keyed){next(&seed) % 50, next(&seed) % 3};
+    check_sorted(x, n);
+  }
+  for (size_t i = 0; i < N; i++) x[i] = (tet_keyed){next(&seed), i};
+  check_sorted(x, N);
+  check_sorted(x, N); /* sorted already */
+  for (size_t i = 0; i < N; i++) x[i] = (tet_keyed){7, N - i};
+  check_sorted(x, N); /* one key */
+  for (size_t i = 0; i < N; i++) x[i] = (tet_keyed){i < N / 2 ? i : N - i, i};
+  check_sorted(x, N); /* up and down, which is hard on median of three */
+  free(x);
+}
+
+/* Along the curve through a cubic grid every step goes to a neighbouring cell. */
+static void hilbert_steps_are_short(void **state) {
+  (void)state;
+  enum { SIDE = 8, N = SIDE * SIDE * SIDE };
+  double *p = malloc(3 * N * sizeof *p);
+  tet_keyed key[N];
+  for (int i = 0; i < N; i++) {
+    p[3 * i] = i % SIDE + 0.5;
+    p[3 * i + 1] = i / SIDE % SIDE + 0.5;
+    p[3 * i + 2] = i / SIDE / SIDE + 0.5;
+  }
+  tet_hilbert_box box = {{0, 0, 0}, 2097152.0 / SIDE};
+  for (uint64_t i = 0; i < N; i++) key[i] = (tet_keyed){tet_hilbert_key(&box, p + 3 * i), i};
+  tet_sort_keyed(key, N);
+  for (size_t i = 1; i < N; i++) {
+    double steps = 0;
+    for (int k = 0; k < 3; k++) {
+      double d = p[3 * key[i].value + (uint64_t)k] - p[3 * key[i - 1].value + (uint64_t)k];
+      steps += d < 0 ? -d : d;
+    }
+    assert_true(steps == 1);
+  }
+  tet_hilbert_box around = tet_hilbert_bound(p, N);
+  assert_true(around.low[0] == 0.5 && around.scale == 2097152.0 / (SIDE - 1));
+  double far[3] = {1e300, -1e300, 0};
+  assert_true(tet_hilbert_key(&around, far) < (uint64_t)1 << 63);
+  free(p);
+}
+
+static void budget_holds(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  tet_limits limits = {.memory_bytes = 10000};
+  assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
+  void *a = tet_alloc(ctx, 100, 50);
+  assert_non_null(a);
+  assert_true(tet_ctx_bytes(ctx) >= 5000);
+  assert_null(tet_alloc(ctx, 100, 60));
+  assert_int_equal(tet_ctx_error(ctx)->status, TET_E_MEMORY);
+  assert_null(tet_alloc(ctx, SIZE_MAX, 2));
+  assert_int_equal(tet_ctx_error(ctx)->status, TET_E_TOO_LARGE);
+  uint32_t *array = NULL;
+  size_t capacity = 0;
+  for (uint32_t i = 0; i < 1000; i++) {
+    assert_int_equal(tet_grow(ctx, &array, &capacity, i + 1, sizeof *array), TET_OK);
+    array[i] = i;
+  }
+  size_t before = capacity;
+  assert_int_equal(tet_grow(ctx, &array, &capacity, 5000, sizeof *array), TET_E_MEMORY);
+  assert_int_equal(capacity, before); /* and the array is whole */
+  for (uint32_t i = 0; i < 1000; i++) assert_int_equal(array[i], i);
+  tet_shrink(ctx, &array, &capacity, 10, sizeof *array);
+  assert_int_equal(capacity, 10);
+  assert_true(tet_ctx_peak_bytes(ctx) <= limits.memory_bytes);
+  tet_free(ctx, array);
+  tet_free(ctx, a);
+  tet_free(ctx, NULL);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+}
+
+static void cancel_and_deadline(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  tet_limits limits = {.deadline_seconds = 1e-9};
+  assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
+  tet_status status = TET_OK;
+  for (int i = 0; i < 16 && status == TET_OK; i++) status = tet_poll(ctx);
+  assert_int_equal(status, TET_E_DEADLINE);
+  tet_cancel(ctx);
+  assert_int_equal(tet_poll(ctx), TET_E_CANCELLED);
+  assert_int_equal(tet_ctx_error(ctx)->status, TET_E_CANCELLED);
+  tet_ctx_free(ctx);
+}
+
+static void offenders_are_capped(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  tet_fail(ctx, TET_E_INTERSECTION, "facets cross");
+  for (uint32_t i = 0; i < 100; i++) {
+    tet_offence o = {.index = {i, i + 1}};
+    tet_offend(ctx, &o);
+  }
+  const tet_error *e = tet_ctx_error(ctx);
+  assert_int_equal(e->n_offences, 100);
+  assert_int_equal(e->n_listed, TET_MAX_OFFENDERS);
+  assert_int_equal(e->offences[63].index[1], 64);
+  tet_stage_begin(ctx, "audit");
+  assert_int_equal(tet_internal(ctx, "nothing holds"), TET_E_INTERNAL);
+  assert_int_equal(e->n_offences, 0);
+  assert_non_null(strstr(e->message, "audit"));
+  assert_non_null(e->file);
+  tet_ctx_free(ctx);
+}
+
+static void on_progress(void *user, const tet_progress *p) {
+  const char **last = user;
+  *last = p->stage;
+}
+
+static void stages_gather(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  const char *seen = NULL;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  tet_ctx_set_progress(ctx, on_progress, &seen);
+  tet_stages_clear(ctx);
+  tet_stage_begin(ctx, "delaunay");
+  assert_string_equal(seen, "delaunay");
+  tet_stage_counts(ctx, 8, 6);
+  tet_stage_begin(ctx, "surface");
+  tet_stage_begin(ctx, "delaunay"); /* again */
+  tet_stage_counts(ctx, 9, 7);
+  tet_stage_end(ctx);
+  tet_stage_end(ctx);
+  uint32_t n;
+  const tet_stage_report *s = tet_stages(ctx, &n);
+  assert_int_equal(n, 2);
+  assert_string_equal(s[0].name, "delaunay");
+  assert_int_equal(s[0].tetrahedra, 7);
+  assert_int_equal(s[1].vertices, 8); /* what it did not change it keeps */
+  assert_true(s[0].seconds >= 0 && s[0].cpu_seconds >= 0);
+  static const char *const more[] = {"a", "b", "c", "d", "e", "f", "g", "h"};
+  for (int i = 0; i < 8; i++) tet_stage_begin(ctx, more[i]);
+  tet_stage_end(ctx);
+  tet_stages(ctx, &n);
+  assert_int_equal(n, TET_MAX_STAGES);
+  tet_stages_clear(ctx);
+  tet_stages(ctx, &n);
+  assert_int_equal(n, 0);
+  tet_ctx_free(ctx);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(sorts),          cmocka_unit_test(hilbert_steps_are_short), cmocka_unit_test(budget_holds),
+      cmocka_unit_test(cancel_and_deadline), cmocka_unit_test(offenders_are_capped), cmocka_unit_test(stages_gather)};
+  return cmocka_run_group_tests_name("base", tests, NULL, NULL);
+}
