@@ -113,7 +113,7 @@ static tet_status check_seeds(tet_ctx *ctx, const tet_pls *p) {
   return status;
 }
 
-tet_status tet_check_pls(tet_ctx *ctx, const tet_pls *pls) {
+tet_status tet_check_arrays(tet_ctx *ctx, const tet_pls *pls) {
   tet_status status = check_points(ctx, pls);
   if (status == TET_OK) status = check_facets(ctx, pls);
   if (status == TET_OK) status = check_loose(ctx, pls);

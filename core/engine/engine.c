@@ -102,7 +102,7 @@ static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *optio
 tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
   tet_stages_clear(ctx);
   tet_status status = tet_check_options(ctx, options);
-  if (status == TET_OK) status = tet_check_pls(ctx, pls);
+  if (status == TET_OK) status = tet_check_arrays(ctx, pls);
   if (status == TET_OK) status = run(ctx, pls, options, ret_mesh);
   tet_stage_end(ctx);
   return status;

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+/* build.c: the CDT algorithm of thesis 5.2, step after step. */
+#include "build/build.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "build/delaunay.h"
+#include "build/soup.h"
+#include "build/state.h"
+
+void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
+  tet_pieces_free(ctx, &r->pieces);
+  tet_free(ctx, r->same_as);
+  r->same_as = NULL;
+}
+
+tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *ret_v) {
+  tet_points *p = &st->points;
+  uint32_t v = p->n, i = v - st->n_input;
+  if ((uint64_t)v + 1 > tet_vertex_limit(st->ctx))
+    return tet_fail(st->ctx, TET_E_VERTEX_LIMIT, "the vertex limit of %llu is reached",
+                    (unsigned long long)tet_vertex_limit(st->ctx));
+  tet_status status = tet_grow(st->ctx, &p->x, &st->cap_x, 3 * ((size_t)v + 1), sizeof *p->x);
+  if (status == TET_OK) status = tet_grow(st->ctx, &p->implicit, &st->cap_implicit, i + 1, sizeof *p->implicit);
+  if (status == TET_OK)
+    status = tet_grow(st->ctx, &st->steiner_segment, &st->cap_segment, i + 1, sizeof *st->steiner_segment);
+  if (status == TET_OK) status = tet_complex_reserve_vertices(&st->complex, v + 1);
+  if (status != TET_OK) return status;
+  p->implicit[i] = (tet_segment_point){st->surface.segment[s].a, st->surface.segment[s].b, t};
+  st->steiner_segment[i] = s;
+  tet_segment_point_round(p, &p->implicit[i], p->x + 3 * (size_t)v);
+  p->n = v + 1;
+  *ret_v = v;
+  return TET_OK;
+}
+
+static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
+  memset(st, 0, sizeof *st);
+  st->ctx = ctx;
+  st->pls = pls;
+  st->n_input = st->points.n = st->points.first_implicit = pls->n_points;
+  tet_complex_init(&st->complex, ctx, &st->points);
+  tet_status status = tet_grow(ctx, &st->points.x, &st->cap_x, 3 * (size_t)pls->n_points, sizeof *st->points.x);
+  if (status != TET_OK) return status;
+  for (size_t i = 0; i < 3 * (size_t)pls->n_points; i++) {
+    st->points.x[i] = pls->points[i];
+    double size = fabs(pls->points[i]);
+    if (size > st->points.max_abs) st->points.max_abs = size;
+  }
+  return TET_OK;
+}
+
+static void free_state(tet_state *st) {
+  tet_complex_free(&st->complex);
+  tet_surface_free(st->ctx, &st->surface);
+  tet_free(st->ctx, st->points.x);
+  tet_free(st->ctx, st->points.implicit);
+  tet_free(st->ctx, st->steiner_segment);
+}
+
+static double box_diagonal(const tet_points *p) {
+  double sum = 0;
+  for (size_t j = 0; j < 3; j++) {
+    double lo = p->x[j], hi = lo;
+    for (size_t v = 1; v < p->n; v++) {
+      if (p->x[3 * v + j] < lo) lo = p->x[3 * v + j];
+      if (p->x[3 * v + j] > hi) hi = p->x[3 * v + j];
+    }
+    sum += (hi - lo) * (hi - lo);
+  }
+  return sqrt(sum);
+}
+
+/* D_0 of the vertices with keep[v]. */
+static tet_status triangulate_vertices(tet_state *st, const uint8_t *keep) {
+  uint32_t n = 0, *ids = tet_alloc(st->ctx, st->n_input, sizeof *ids);
+  if (!ids) return tet_ctx_error(st->ctx)->status;
+  tet_stage_begin(st->ctx, "delaunay");
+  for (uint32_t v = 0; v < st->n_input; v++)
+    if (keep[v]) ids[n++] = v;
+  tet_status status = tet_delaunay(&st->complex, ids, n);
+  if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
+  tet_free(st->ctx, ids);
+  return status;
+}
+
+/* Delaunay tetrahedralization of all points, facets unseen. */
+static tet_status build_delaunay(tet_state *st, tet_build_result *r) {
+  uint32_t n = st->n_input, *tri = NULL, *part = NULL;
+  uint8_t *keep = tet_calloc(st->ctx, n, 1);
+  tet_soup soup = {.ctx = st->ctx, .pls = st->pls, .points = &st->points, .same_as = r->same_as};
+  tet_status status = keep ? tet_find_duplicates(&soup) : tet_ctx_error(st->ctx)->status;
+  for (uint32_t v = 0; v < n && status == TET_OK; v++) keep[v] = r->same_as[v] == v;
+  if (status == TET_OK) status = triangulate_vertices(st, keep);
+  if (status == TET_OK) {
+    part = tet_alloc(st->ctx, st->complex.n_slots, sizeof *part);
+    status = part ? TET_OK : tet_ctx_error(st->ctx)->status;
+  }
+  for (uint32_t t = 0; t < st->complex.n_slots && status == TET_OK; t++) part[t] = 1;
+  if (status == TET_OK) status = tet_extract_tetrahedra(st, NULL, part, &r->pieces, &tri);
+  tet_pls bare = {.n_points = n};
+  if (status == TET_OK) status = tet_apply_seeds(st->ctx, &bare, 1, 2, &r->pieces, tri);
+  if (status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
+  st->counts.duplicate_vertices = soup.n_duplicates;
+  tet_free(st->ctx, keep);
+  tet_free(st->ctx, part);
+  tet_free(st->ctx, tri);
+  return status;
+}
+
+static void count_surface(tet_state *st, tet_build_result *r) {
+  const tet_surface *s = &st->surface;
+  memcpy(r->same_as, s->same_as, st->n_input * sizeof *r->same_as);
+  r->planarity = s->planarity;
+  st->counts.duplicate_vertices = s->n_duplicates;
+  st->counts.repeated_facets = s->n_repeated_facets;
+  st->counts.unused_vertices = s->n_unused;
+  st->counts.segments = s->n_segments;
+}
+
+/* Regions: parts, rounding, seeds; into r->pieces. */
+static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_t *face_tri, tet_build_result *r) {
+  uint32_t *part = NULL, *tri = NULL, n_parts = 0;
+  tet_stage_begin(st->ctx, "regions");
+  tet_status status = tet_find_parts(st, face_tri, o->keep_hull, &part, &n_parts);
+  if (status == TET_OK) status = tet_round(st, face_tri, part);
+  if (status == TET_OK) status = tet_extract_tetrahedra(st, face_tri, part, &r->pieces, &tri);
+  if (status == TET_OK) status = tet_apply_seeds(st->ctx, st->pls, o->keep_hull, n_parts, &r->pieces, tri);
+  if (status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
+  if (status == TET_OK) tet_stage_counts(st->ctx, r->pieces.n_points, r->pieces.n_tets);
+  tet_free(st->ctx, part);
+  tet_free(st->ctx, tri);
+  return status;
+}
+
+static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_build_result *r) {
+  double tolerance = o->planarity_tolerance > 0 ? o->planarity_tolerance : 1e-9 * box_diagonal(&st->points);
+  uint32_t *face_tri = NULL;
+  tet_stage_begin(st->ctx, "surface");
+  tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, &st->surface);
+  if (status != TET_OK) return status;
+  count_surface(st, r);
+  tet_stage_counts(st->ctx, st->n_input, 0);
+  status = triangulate_vertices(st, st->surface.used);
+  if (status == TET_OK) {
+    tet_stage_begin(st->ctx, "segments");
+    status = tet_recover_segments(st);
+    if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
+  }
+  if (status == TET_OK) {
+    tet_stage_begin(st->ctx, "facets");
+    status = tet_recover_facets(st, &face_tri);
+    if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
+  }
+  if (status == TET_OK) status = find_domain(st, o, face_tri, r);
+  tet_free(st->ctx, face_tri);
+  return status;
+}
+
+tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
+                     tet_build_result *ret) {
+  tet_state st;
+  tet_build_result r;
+  memset(&r, 0, sizeof r);
+  tet_status status = init_state(&st, ctx, pls);
+  if (status == TET_OK) {
+    r.same_as = tet_alloc(ctx, pls->n_points, sizeof *r.same_as);
+    status = r.same_as ? TET_OK : tet_ctx_error(ctx)->status;
+  }
+  if (status == TET_OK)
+    status = options->stage == TET_STAGE_DELAUNAY ? build_delaunay(&st, &r) : build_cdt(&st, options, &r);
+  st.counts.input_vertices = pls->n_points;
+  st.counts.facets = pls->n_facets;
+  r.counts = st.counts;
+  free_state(&st);
+  if (status == TET_OK) *ret = r;
+  else tet_build_result_free(ctx, &r);
+  return status;
+}

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+/* segments.c: SEGMENTRECOVERY of thesis 5.3, its three splitting rules and acute
+ * vertices; reference points by walking along the segment (A.3.3).
+ *
+ * Where a Steiner point goes is chosen in doubles; it then is the exact point
+ * a + t (b - a) of its segment, and whether a segment is missing is never a
+ * question of rounding. */
+#include "build/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "exact/predicates.h"
+#include "mesh/edge_map.h"
+
+#define BOTH_ACUTE TET_GHOST
+
+typedef struct recovery {
+  tet_state *st;
+  tet_ctx *ctx;
+  tet_edge_map edges;  /* subsegments by their ends */
+  uint8_t *on_segment; /* [vertices] */
+  size_t cap_on_segment;
+  uint32_t *acute;     /* [subsegments] R: the acute end, TET_NONE (type-0), BOTH_ACUTE */
+  uint8_t *queued;     /* [subsegments] */
+  size_t cap_acute, cap_queued;
+  uint32_t *queue;     /* a ring */
+  size_t cap_queue, head, n_queue;
+} recovery;
+
+static const double *at(const recovery *r, uint32_t v) { return r->st->points.x + 3 * (size_t)v; }
+
+static double distance(const double *a, const double *b) {
+  double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return sqrt(x * x + y * y + z * z);
+}
+
+/* The place of vertex v on its segment, from 0 at a to 1 at b. */
+static double parameter(const recovery *r, const tet_segment *s, uint32_t v) {
+  return v == s->a ? 0.0 : v == s->b ? 1.0 : r->st->points.implicit[v - r->st->n_input].t;
+}
+
+static tet_status enqueue(recovery *r, uint32_t e) {
+  if (r->queued[e]) return TET_OK;
+  if (r->n_queue == r->cap_queue) {
+    size_t old = r->cap_queue;
+    tet_status status = tet_grow(r->ctx, &r->queue, &r->cap_queue, old + 1, sizeof *r->queue);
+    if (status != TET_OK) return status;
+    /* unroll the ring's wrapped part into the new room */
+    size_t moved = r->cap_queue - old;
+    memmove(r->queue + r->head + moved, r->queue + r->head, (old - r->head) * sizeof *r->queue);
+    r->head += moved;
+    if (r->head == r->cap_queue) r->head = 0;
+  }
+  r->queue[(r->head + r->n_queue++) % r->cap_queue] = e;
+  r->queued[e] = 1;
+  return TET_OK;
+}
+
+/* Room for the per-subsegment and per-vertex arrays. */
+static tet_status make_room(recovery *r) {
+  size_t n = r->st->surface.n_subsegs, from = r->cap_on_segment;
+  tet_status status = tet_grow(r->ctx, &r->acute, &r->cap_acute, n, sizeof *r->acute);
+  if (status == TET_OK) status = tet_grow(r->ctx, &r->queued, &r->cap_queued, n, 1);
+  if (status == TET_OK) status = tet_grow(r->ctx, &r->on_segment, &r->cap_on_segment, r->st->points.n, 1);
+  if (status == TET_OK && r->cap_on_segment > from) memset(r->on_segment + from, 0, r->cap_on_segment - from);
+  return status;
+}
+
+/* Marks vertices where two segments meet at less than 90 degrees (5.3.1).
+ * `start`/`ends`: the other ends of the segments at each vertex, as CSR. */
+static void mark_acute(const recovery *r, const uint32_t *start, const uint32_t *ends, uint8_t *acute) {
+  for (uint32_t v = 0; v < r->st->n_input; v++)
+    for (uint32_t i = start[v]; i < start[v + 1] && !acute[v]; i++)
+      for (uint32_t k = i + 1; k < start[v + 1] && !acute[v]; k++)
+        acute[v] = tet_dot_sign(&r->st->points, ends[i], ends[k], v) > 0;
+}
+
+static tet_status find_acute(recovery *r) {
+  const tet_surface *s = &r->st->surface;
+  uint32_t n = r->st->n_input;
+  uint32_t *start = tet_calloc(r->ctx, (size_t)n + 2, sizeof *start);
+  uint32_t *ends = tet_alloc(r->ctx, 2 * (size_t)s->n_segments, sizeof *ends);
+  uint8_t *acute = tet_calloc(r->ctx, n, 1);
+  if (start && ends && acute) {
+    for (uint32_t e = 0; e < s->n_segments; e++) {
+      start[s->segment[e].a + 2]++;
+      start[s->segment[e].b + 2]++;
+    }
+    for (uint32_t v = 2; v < n + 2; v++) start[v] += start[v - 1];
+    for (uint32_t e = 0; e < s->n_segments; e++) {
+      ends[start[s->segment[e].a + 1]++] = s->segment[e].b;
+      ends[start[s->segment[e].b + 1]++] = s->segment[e].a;
+    }
+    mark_acute(r, start, ends, acute);
+    for (uint32_t e = 0; e < s->n_subsegs; e++) {
+      const tet_segment *g = &s->segment[s->subseg_segment[e]];
+      r->acute[e] = acute[g->a] ? (acute[g->b] ? BOTH_ACUTE : g->a) : acute[g->b] ? g->b : TET_NONE;
+    }
+  }
+  tet_status status = start && ends && acute ? TET_OK : tet_ctx_error(r->ctx)->status;
+  tet_free(r->ctx, start);
+  tet_free(r->ctx, ends);
+  tet_free(r->ctx, acute);
+  return status;
+}
+
+/* Keeps in *best the vertex p that sees ab under the largest angle above 90
+ * degrees: its triangle with ab has the largest circumball (5.3.1 (ii)). */
+static void consider(const recovery *r, uint32_t a, uint32_t b, uint32_t p, uint32_t *best, double *best_cos) {
+  const double *x = at(r, p), *xa = at(r, a), *xb = at(r, b);
+  double dot = 0;
+  for (int i = 0; i < 3; i++) dot += (xa[i] - x[i]) * (xb[i] - x[i]);
+  double length = distance(x, xa) * distance(x, xb);
+  if (length > 0 && dot / length < *best_cos) {
+    *best_cos = dot / length;
+    *best = p;
+  }
+}
+
+/* In the star of a: the face opposite a that the ray ab leaves through, its
+ * vertices in f so that (a, f0, f1, f2) is positive. Returns its handle. */
+static uint32_t first_face(const recovery *r, uint32_t a, uint32_t b, uint32_t f[3]) {
+  const tet_complex *c = &r->st->complex;
+  const tet_points *p = c->points;
+  for (size_t k = 0; k < c->n_made; k++) {
+    uint32_t t = c->made[k];
+    if (tet_is_ghost(c, t)) continue;
+    int i = tet_index_of(c, t, a);
+    for (int j = 0; j < 3; j++) f[j] = c->v[4 * (size_t)t + tet_face[i][j]];
+    if (tet_orient3d(p, a, b, f[1], f[2]) >= 0 && tet_orient3d(p, a, f[0], b, f[2]) >= 0 &&
+        tet_orient3d(p, a, f[0], f[1], b) >= 0)
+      return 4 * t + (uint32_t)i;
+  }
+  return TET_NONE;
+}
+
+/* The reference point of missing subsegment ab: the best vertex of the
+ * tetrahedra along it, or TET_NONE. */
+static tet_status reference_point(recovery *r, uint32_t a, uint32_t b, uint32_t *ret_p) {
+  tet_complex *c = &r->st->complex;
+  uint32_t best = TET_NONE, f[3];
+  double best_cos = 0;
+  tet_status status = tet_complex_star(c, a);
+  if (status != TET_OK) return status;
+  uint32_t h = first_face(r, a, b, f);
+  if (h == TET_NONE) return tet_internal(r->ctx, "a segment leaves no tetrahedron of its end");
+  for (int j = 0; j < 3; j++) consider(r, a, b, f[j], &best, &best_cos);
+  for (uint32_t steps = 0; steps < c->n_live; steps++) {
+    uint32_t g = c->adj[h], t = g >> 2, w = c->v[g];
+    if (w == TET_GHOST || w == b || tet_is_ghost(c, t)) break;
+    consider(r, a, b, w, &best, &best_cos);
+    int side[3], k = 0;
+    for (int j = 0; j < 3; j++) side[j] = tet_orient3d(c->points, a, b, f[j], w);
+    while (k < 3 && !(side[k] <= 0 && side[(k + 1) % 3] >= 0)) k++;
+    if (k == 3) break;
+    h = 4 * t + (uint32_t)tet_index_of(c, t, f[(k + 2) % 3]);
+    f[(k + 2) % 3] = w;
+  }
+  *ret_p = best;
+  return TET_OK;
+}
+
+/* Rules 2 and 3 of 5.3.1: the distance from the acute end at which to split the
+ * subsegment whose ends lie at distances near < far; p: the reference point. */
+static double acute_split(const double *end, const double *direction, double near, double far, const double *p) {
+  double v[3], rest = distance(end, p), gap;
+  if (rest > near && rest < far) {
+    for (int i = 0; i < 3; i++) v[i] = end[i] + rest * direction[i];
+    gap = distance(v, p);
+    if (far - rest >= gap) return rest;               /* rule 2 */
+    if (gap < 0.5 * (rest - near)) return rest - gap; /* rule 3 */
+    return near + 0.5 * (rest - near);
+  }
+  return 0.5 * (near + far);
+}
+
+/* Where to split subsegment e for reference point p, as t on its segment. */
+static double split_place(const recovery *r, uint32_t e, uint32_t p) {
+  const tet_surface *s = &r->st->surface;
+  const tet_segment *g = &s->segment[s->subseg_segment[e]];
+  uint32_t i = s->subseg[2 * (size_t)e], j = s->subseg[2 * (size_t)e + 1];
+  double ti = parameter(r, g, i), tj = parameter(r, g, j), length = distance(at(r, g->a), at(r, g->b));
+  double middle = ti + 0.5 * (tj - ti), t = middle;
+  if (p == TET_NONE || r->acute[e] == BOTH_ACUTE) return middle;
+  if (r->acute[e] == TET_NONE) { /* rule 1 */
+    double half = 0.5 * (tj - ti) * length, di = distance(at(r, i), at(r, p)), dj = distance(at(r, j), at(r, p));
+    if (di < half) t = ti + di / length;
+    else if (dj < half) t = tj - dj / length;
+  } else {
+    int back = r->acute[e] == g->b;
+    const double *end = at(r, back ? g->b : g->a), *other = at(r, back ? g->a : g->b);
+    double direction[3], near = back ? 1 - tj : ti, far = back ? 1 - ti : tj;
+    for (int k = 0; k < 3; k++) direction[k] = (other[k] - end[k]) / length;
+    double u = acute_split(end, direction, near * length, far * length, at(r, p)) / length;
+    t = back ? 1 - u : u;
+  }
+  return t > ti && t < tj ? t : middle;
+}
+
+static tet_status too_short(recovery *r, uint32_t e) {
+  const tet_surface *s = &r->st->surface;
+  const double *x = at(r, s->subseg[2 * (size_t)e]);
+  uint32_t g = s->subseg_segment[e];
+  return tet_fail(r->ctx, TET_E_ROUNDING,
+                  "the segment between vertices %u and %u would need points closer than doubles are, near (%.17g, %.17g, %.17g)",
+                  s->segment[g].a, s->segment[g].b, x[0], x[1], x[2]);
+}
+
+/* Looks for subsegments among the edges of the cavity just filled. */
+static tet_status requeue_cavity(recovery *r) {
+  const tet_complex *c = &r->st->complex;
+  tet_status status = TET_OK;
+  for (size_t k = 0; k < c->n_cavity && status == TET_OK; k++) {
+    const uint32_t *v = c->v + 4 * (size_t)c->cavity[k];
+    for (int i = 0; i < 4; i++)
+      for (int j = i + 1; j < 4 && status == TET_OK; j++) {
+        if (v[i] == TET_GHOST || v[j] == TET_GHOST || !r->on_segment[v[i]] || !r->on_segment[v[j]]) continue;
+        uint32_t e = tet_edge_map_get(&r->edges, v[i], v[j]);
+        if (e != TET_NONE) status = enqueue(r, e);
+      }
+  }
+  return status;
+}
+
+/* Splits missing subsegment e: a Steiner point in the complex and the surface. */
+static tet_status split(recovery *r, uint32_t e) {
+  tet_state *st = r->st;
+  tet_surface *s = &st->surface;
+  uint32_t a = s->subseg[2 * (size_t)e], b = s->subseg[2 * (size_t)e + 1], p = TET_NONE, v;
+  uint32_t acute = r->acute[e];
+  tet_status status = reference_point(r, a, b, &p);
+  if (status == TET_OK) status = tet_state_add_steiner(st, s->subseg_segment[e], split_place(r, e, p), &v);
+  if (status != TET_OK) return status;
+  if (!memcmp(at(r, v), at(r, a), 3 * sizeof(double)) || !memcmp(at(r, v), at(r, b), 3 * sizeof(double)))
+    return too_short(r, e);
+  status = tet_complex_insert(&st->complex, v, st->complex.at[a]);
+  if (status == TET_OK) status = tet_surface_split(r->ctx, s, &st->points, e, v);
+  if (status == TET_OK) status = make_room(r);
+  if (status != TET_OK) return status;
+  uint32_t other = s->n_subsegs - 1; /* now e is a-v and other v-b */
+  const tet_segment *g = &s->segment[s->subseg_segment[e]];
+  r->acute[e] = acute == BOTH_ACUTE ? g->a : acute;
+  r->acute[other] = acute == BOTH_ACUTE ? g->b : acute;
+  r->queued[other] = 0;
+  r->on_segment[v] = 1;
+  tet_edge_map_remove(&r->edges, a, b);
+  status = tet_edge_map_put(r->ctx, &r->edges, a, v, e);
+  if (status == TET_OK) status = tet_edge_map_put(r->ctx, &r->edges, v, b, other);
+  if (status == TET_OK) status = requeue_cavity(r);
+  if (status == TET_OK) status = enqueue(r, e);
+  if (status == TET_OK) status = enqueue(r, other);
+  return status;
+}
+
+static tet_status recover(recovery *r) {
+  tet_surface *s = &r->st->surface;
+  uint64_t splits = 0;
+  tet_status status = TET_OK;
+  while (r->n_queue && status == TET_OK) {
+    uint32_t e = r->queue[r->head], t;
+    r->head = (r->head + 1) % r->cap_queue;
+    r->n_queue--;
+    r->queued[e] = 0;
+    status = tet_complex_find_edge(&r->st->complex, s->subseg[2 * (size_t)e], s->subseg[2 * (size_t)e + 1], &t);
+    if (status == TET_OK && t == TET_NONE) {
+      splits++;
+      const tet_segment *g = &s->segment[s->subseg_segment[e]];
+      r->st->counts.missing_segments += s->subseg[2 * (size_t)e] == g->a && s->subseg[2 * (size_t)e + 1] == g->b;
+      status = split(r, e);
+    }
+    if (status == TET_OK) status = tet_poll(r->ctx);
+    tet_progress_report(r->ctx, -1.0, r->st->points.n, r->st->complex.n_live, splits);
+  }
+  r->st->counts.segment_steiner_points = splits;
+  return status;
+}
+
+tet_status tet_recover_segments(tet_state *st) {
+  recovery r = {.st = st, .ctx = st->ctx};
+  tet_surface *s = &st->surface;
+  tet_status status = make_room(&r);
+  if (status == TET_OK) status = find_acute(&r);
+  for (uint32_t e = 0; e < s->n_subsegs && status == TET_OK; e++) {
+    const uint32_t *v = s->subseg + 2 * (size_t)e;
+    r.on_segment[v[0]] = r.on_segment[v[1]] = 1;
+    r.queued[e] = 0;
+    status = tet_edge_map_put(r.ctx, &r.edges, v[0], v[1], e);
+    if (status == TET_OK) status = enqueue(&r, e);
+  }
+  if (status == TET_OK) status = recover(&r);
+  tet_edge_map_free(r.ctx, &r.edges);
+  tet_free(r.ctx, r.on_segment);
+  tet_free(r.ctx, r.acute);
+  tet_free(r.ctx, r.queued);
+  tet_free(r.ctx, r.queue);
+  return status;
+}
