@@ -243,6 +243,7 @@ static void read_list(ply *p, const property *list, size_t n_points, tf_build *b
         }
         if (!(value >= 0 && value < (double)n_points) || (double)(uint32_t)value != value) {
             fail(p, "a face's vertex is out of range");
+            return;
         }
         tf_build_polygon_vertex(build, (uint32_t)value);
     }
