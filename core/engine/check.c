@@ -66,6 +66,8 @@ static tet_status check_points(tet_ctx *ctx, const tet_pls *p) {
   if (p->n_points > tet_vertex_limit(ctx))
     return tet_fail(ctx, TET_E_VERTEX_LIMIT, "the PLS has %u vertices, the limit is %llu", p->n_points,
                     (unsigned long long)tet_vertex_limit(ctx));
+  if (p->n_points < 4)
+    return tet_fail(ctx, TET_E_DEGENERATE, "%u vertices enclose nothing: a tetrahedron has four", p->n_points);
   tet_status status = need(ctx, p->n_points, p->points, "vertices");
   if (status == TET_OK)
     status = need(ctx, (uint64_t)p->n_points * p->n_attributes, p->point_attributes, "vertex attributes");

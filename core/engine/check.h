@@ -11,8 +11,8 @@
 tet_status tet_check_options(tet_ctx *ctx, const tet_options *options);
 
 /* Refuses arrays that are missing, not ascending where they must be, or hold an
- * index out of range or a coordinate that is not finite or beyond 2^500. No
- * geometry is looked at. Linear cost. */
+ * index out of range or a coordinate that is not finite or beyond 2^500, and
+ * fewer than four vertices. No geometry is looked at. Linear cost. */
 tet_status tet_check_arrays(tet_ctx *ctx, const tet_pls *pls);
 
 #endif
