@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "build/delaunay.h"
+#include "build/repair.h"
 #include "build/soup.h"
 #include "build/state.h"
 
@@ -124,8 +125,10 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
   uint32_t *part = NULL, *tri = NULL, n_parts = 0;
   tet_stage_begin(st->ctx, "regions");
   tet_status status = tet_find_parts(st, face_tri, o->keep_hull, &part, &n_parts);
-  if (status == TET_OK) status = tet_round(st, face_tri, part);
   if (status == TET_OK) status = tet_extract_tetrahedra(st, face_tri, part, &r->pieces, &tri);
+  /* from here on the rounded coordinates are the truth */
+  if (status == TET_OK)
+    status = tet_repair(st->ctx, &st->surface, &r->pieces, &tri, &st->counts.rounding_flips);
   if (status == TET_OK) status = tet_apply_seeds(st->ctx, st->pls, o->keep_hull, n_parts, &r->pieces, tri);
   if (status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
   if (status == TET_OK) tet_stage_counts(st->ctx, r->pieces.n_points, r->pieces.n_tets);

@@ -37,9 +37,6 @@ tet_status tet_recover_facets(tet_state *st, uint32_t **ret_face_tri);
 tet_status tet_find_parts(tet_state *st, const uint32_t *face_tri, int keep_hull,
                           uint32_t **ret_part, uint32_t *ret_n_parts);
 
-/* Rounds the Steiner points to doubles, which then are the truth. */
-tet_status tet_round(tet_state *st, uint32_t *face_tri, uint32_t *part);
-
 /* Copies what is not outside into pieces: tetrahedra, region = part - 1, and
  * points, which change owner. *ret_tri, the caller's, has the triangle of the
  * surface at each face; face_tri may be NULL. */

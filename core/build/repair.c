@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+/* repair.c: after the Steiner points were rounded: exact flips that restore positive
+ * volumes and the local Delaunay property off the subfaces (design section 4).
+ *
+ * A flip (2-3, 3-2, 4-4, and 2-2 inside a facet) is made only if all its new
+ * tetrahedra are positive, so each one either lowers the number of tetrahedra that
+ * are not, or, all being positive, lowers the lifted surface: it ends. */
+#include "build/repair.h"
+
+#include <string.h>
+
+#include "exact/predicates.h"
+#include "mesh/edge_map.h"
+
+enum { MOST = 4 }; /* tetrahedra before or after one flip */
+
+typedef struct repair {
+  tet_ctx *ctx;
+  tet_pieces *p;
+  uint32_t **tri;          /* [n_tets][4] triangle of the surface at a face */
+  size_t cap_tets, cap_adj, cap_region, cap_tri;
+  tet_edge_map subsegs;
+  uint32_t *stack;         /* tetrahedra to look at */
+  size_t n_stack, cap_stack;
+  uint64_t flips;
+} repair;
+
+/* What one flip does. */
+typedef struct flip {
+  uint32_t old[MOST], made[MOST][4];
+  int n_old, n_made;
+  int in_facet;            /* edge xy of two subfaces becomes edge de of two others */
+  uint32_t x, y, d, e;
+  uint32_t facet_tri[2];   /* their triangles, at dex and dey */
+} flip;
+
+static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+static const double *at(const repair *r, uint32_t v) { return r->p->points + 3 * (size_t)v; }
+
+static int orient(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  return tet_orient3d_xyz(at(r, a), at(r, b), at(r, c), at(r, d));
+}
+
+static int positive(const repair *r, uint32_t t) {
+  const uint32_t *v = r->p->tets + 4 * (size_t)t;
+  return orient(r, v[0], v[1], v[2], v[3]) > 0;
+}
+
+static int is_dead(const repair *r, uint32_t t) { return r->p->tets[4 * (size_t)t] == TET_NONE; }
+
+static uint32_t tri_at(const repair *r, uint32_t h) { return (*r->tri)[h]; }
+
+/* The place of vertex a in t. */
+static uint32_t place(const repair *r, uint32_t t, uint32_t a) {
+  const uint32_t *v = r->p->tets + 4 * (size_t)t;
+  return v[0] == a ? 0 : v[1] == a ? 1 : v[2] == a ? 2 : 3;
+}
+
+static tet_status push(repair *r, uint32_t t) {
+  tet_status status = tet_grow(r->ctx, &r->stack, &r->cap_stack, r->n_stack + 1, sizeof *r->stack);
+  if (status == TET_OK) r->stack[r->n_stack++] = t;
+  return status;
+}
+
+static int same_face(const uint32_t *a, const uint8_t *fa, const uint32_t *b, const uint8_t *fb) {
+  for (int i = 0; i < 3; i++) {
+    uint32_t x = a[fa[i]];
+    if (x != b[fb[0]] && x != b[fb[1]] && x != b[fb[2]]) return 0;
+  }
+  return 1;
+}
+
+/* Slots for the new tetrahedra: the old ones' first. */
+static tet_status take_slots(repair *r, const flip *f, uint32_t *slot) {
+  tet_pieces *p = r->p;
+  for (int k = 0; k < f->n_made; k++) {
+    if (k < f->n_old) {
+      slot[k] = f->old[k];
+      continue;
+    }
+    size_t n = (size_t)p->n_tets + 1;
+    tet_status status = tet_grow(r->ctx, &p->tets, &r->cap_tets, 4 * n, sizeof *p->tets);
+    if (status == TET_OK) status = tet_grow(r->ctx, &p->adj, &r->cap_adj, 4 * n, sizeof *p->adj);
+    if (status == TET_OK) status = tet_grow(r->ctx, &p->region, &r->cap_region, n, sizeof *p->region);
+    if (status == TET_OK) status = tet_grow(r->ctx, r->tri, &r->cap_tri, 4 * n, sizeof **r->tri);
+    if (status != TET_OK) return status;
+    slot[k] = p->n_tets++;
+  }
+  return TET_OK;
+}
+
+/* If face h of a tetrahedron v is dex or dey it becomes a subface. */
+static void mark_subface(repair *r, const flip *f, const uint32_t *v, uint32_t h) {
+  const uint8_t *i = face[h & 3];
+  for (int side = 0; side < 2; side++) {
+    uint32_t want[3] = {f->d, f->e, side ? f->y : f->x};
+    static const uint8_t straight[3] = {0, 1, 2};
+    if (same_face(want, straight, v, i)) (*r->tri)[h] = f->facet_tri[side];
+  }
+}
+
+/* Gives face i of new tetrahedron `t` its neighbour: what was outside the same old
+ * face, or another new tetrahedron. */
+static void join_face(repair *r, const flip *f, const uint32_t *slot, uint32_t before[MOST][3][4], int k, uint32_t i) {
+  tet_pieces *p = r->p;
+  uint32_t h = 4 * slot[k] + i;
+  (*r->tri)[h] = TET_NONE;
+  p->adj[h] = TET_NONE;
+  for (int q = 0; q < f->n_old; q++)
+    for (uint32_t j = 0; j < 4; j++) {
+      uint32_t outside = before[q][1][j];
+      int inner = 0;
+      for (int w = 0; w < f->n_old; w++) inner |= outside != TET_NONE && outside >> 2 == f->old[w];
+      if (inner || !same_face(f->made[k], face[i], before[q][0], face[j])) continue;
+      p->adj[h] = outside;
+      if (outside != TET_NONE) p->adj[outside] = h;
+      (*r->tri)[h] = before[q][2][j];
+      return;
+    }
+  for (int q = 0; q < f->n_made; q++)
+    for (uint32_t j = 0; j < 4; j++)
+      if (q != k && same_face(f->made[k], face[i], f->made[q], face[j])) p->adj[h] = 4 * slot[q] + j;
+  if (f->in_facet) mark_subface(r, f, f->made[k], h);
+}
+
+static tet_status apply(repair *r, const flip *f) {
+  tet_pieces *p = r->p;
+  uint32_t slot[MOST], before[MOST][3][4]; /* vertices, neighbours, triangles */
+  for (int q = 0; q < f->n_old; q++)
+    for (int j = 0; j < 4; j++) {
+      size_t h = 4 * (size_t)f->old[q] + (size_t)j;
+      before[q][0][j] = p->tets[h];
+      before[q][1][j] = p->adj[h];
+      before[q][2][j] = (*r->tri)[h];
+    }
+  uint32_t region[2] = {p->region[f->old[0]], p->region[f->old[f->n_old == 4 ? 2 : 0]]};
+  tet_status status = take_slots(r, f, slot);
+  if (status != TET_OK) return status;
+  for (int k = 0; k < f->n_made; k++) {
+    memcpy(p->tets + 4 * (size_t)slot[k], f->made[k], sizeof f->made[k]);
+    p->region[slot[k]] = region[k >= 2];
+  }
+  for (int k = 0; k < f->n_made; k++)
+    for (uint32_t i = 0; i < 4; i++) join_face(r, f, slot, before, k, i);
+  for (int q = f->n_made; q < f->n_old; q++) p->tets[4 * (size_t)f->old[q]] = TET_NONE;
+  r->flips++;
+  for (int k = 0; k < f->n_made && status == TET_OK; k++) {
+    status = push(r, slot[k]);
+    for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
+      uint32_t g = p->adj[4 * (size_t)slot[k] + i];
+      if (g != TET_NONE) status = push(r, g >> 2);
+    }
+  }
+  return status;
+}
+
+static void add(flip *f, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  uint32_t *v = f->made[f->n_made++];
+  v[0] = a;
+  v[1] = b;
+  v[2] = c;
+  v[3] = d;
+}
+
+/* Completes a flip that removes edge xy of face xyz (outward from t, apex d; e
+ * beyond): 3-2, 4-4 or, on the boundary, 2-2. 0 where xy must stay. */
+static int remove_edge(const repair *r, uint32_t h, uint32_t x, uint32_t y, uint32_t z, flip *f) {
+  const tet_pieces *p = r->p;
+  uint32_t g = p->adj[h], t = h >> 2, o = g >> 2, d = p->tets[h], e = p->tets[g];
+  if (tet_edge_map_get(&r->subsegs, x, y) != TET_NONE) return 0;
+  uint32_t a = 4 * t + place(r, t, z), b = 4 * o + place(r, o, z);
+  uint32_t na = p->adj[a], nb = p->adj[b];
+  *f = (flip){.old = {t, o}, .n_old = 2, .x = x, .y = y, .d = d, .e = e, .facet_tri = {tri_at(r, a), tri_at(r, b)}};
+  f->in_facet = f->facet_tri[0] != TET_NONE;
+  if (f->in_facet != (f->facet_tri[1] != TET_NONE)) return 0;
+  add(f, d, y, z, e);
+  add(f, d, z, x, e);
+  if (na == TET_NONE || nb == TET_NONE) return f->in_facet && na == nb;
+  if (na >> 2 == nb >> 2) {
+    f->old[f->n_old++] = na >> 2;
+    return !f->in_facet;
+  }
+  uint32_t w = p->tets[na], t2 = na >> 2, o2 = nb >> 2, between = 4 * t2 + place(r, t2, d);
+  if (p->tets[nb] != w || p->adj[between] != 4 * o2 + place(r, o2, e) || tri_at(r, between) != TET_NONE) return 0;
+  f->old[f->n_old++] = t2;
+  f->old[f->n_old++] = o2;
+  add(f, y, d, w, e);
+  add(f, w, d, x, e);
+  return 1;
+}
+
+static int all_positive(const repair *r, const flip *f) {
+  for (int k = 0; k < f->n_made; k++) {
+    const uint32_t *v = f->made[k];
+    if (orient(r, v[0], v[1], v[2], v[3]) <= 0) return 0;
+  }
+  return 1;
+}
+
+/* Tries to flip face h away. */
+static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, int *ret_done) {
+  const tet_pieces *p = r->p;
+  uint32_t t = h >> 2, g = p->adj[h], d = p->tets[h], e = p->tets[g], v[3];
+  flip f = {.old = {t, g >> 2}, .n_old = 2};
+  for (int k = 0; k < 3; k++) v[k] = p->tets[4 * (size_t)t + face[h & 3][k]];
+  for (int k = 0; k < 3; k++) add(&f, d, v[k], v[(k + 1) % 3], e);
+  *ret_done = all_positive(r, &f);
+  for (int k = 0; k < 3 && !*ret_done; k++) {
+    uint32_t x = v[k], y = v[(k + 1) % 3];
+    if (orient(r, d, x, y, e) > 0 || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
+    if (f.in_facet && surface->tri_patch[f.facet_tri[0]] != surface->tri_patch[f.facet_tri[1]]) continue;
+    *ret_done = all_positive(r, &f);
+  }
+  return *ret_done ? apply(r, &f) : TET_OK;
+}
+
+/* 1: face h is interior, no subface, and not locally Delaunay or beside a
+ * tetrahedron that is not positive. */
+static int is_bad(const repair *r, uint32_t h, int t_positive) {
+  const tet_pieces *p = r->p;
+  uint32_t g = p->adj[h], t = h >> 2;
+  if (g == TET_NONE || tri_at(r, h) != TET_NONE) return 0;
+  if (!t_positive || !positive(r, g >> 2)) return 1;
+  const uint32_t *v = p->tets + 4 * (size_t)t;
+  return tet_insphere_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3]), at(r, p->tets[g])) > 0;
+}
+
+static tet_status flip_all(repair *r, const tet_surface *surface) {
+  tet_status status = TET_OK;
+  while (r->n_stack && status == TET_OK) {
+    uint32_t t = r->stack[--r->n_stack];
+    if (is_dead(r, t)) continue;
+    int ok = positive(r, t), done = 0;
+    for (uint32_t i = 0; i < 4 && !done && status == TET_OK; i++)
+      if (is_bad(r, 4 * t + i, ok)) status = try_face(r, 4 * t + i, surface, &done);
+    if (status == TET_OK) status = tet_poll(r->ctx);
+  }
+  return status;
+}
+
+/* Closes the gaps that 3-2 flips left. */
+static void compact(repair *r) {
+  tet_pieces *p = r->p;
+  for (uint32_t t = 0; t < p->n_tets;) {
+    if (!is_dead(r, t)) {
+      t++;
+      continue;
+    }
+    uint32_t last = --p->n_tets;
+    if (last == t || is_dead(r, last)) continue;
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t g = p->adj[4 * (size_t)last + i];
+      p->tets[4 * (size_t)t + i] = p->tets[4 * (size_t)last + i];
+      p->adj[4 * (size_t)t + i] = g;
+      (*r->tri)[4 * (size_t)t + i] = (*r->tri)[4 * (size_t)last + i];
+      if (g != TET_NONE) p->adj[g] = 4 * t + i;
+    }
+    p->region[t] = p->region[last];
+    p->tets[4 * (size_t)last] = TET_NONE;
+  }
+}
+
+/* What is left: an inverted tetrahedron or a face that no flip mends. */
+static tet_status verify(const repair *r) {
+  uint64_t inverted = 0, faces = 0;
+  const double *place_of = NULL;
+  for (uint32_t t = 0; t < r->p->n_tets; t++) {
+    int ok = positive(r, t);
+    inverted += !ok;
+    uint64_t bad = 0;
+    for (uint32_t i = 0; i < 4; i++) bad += is_bad(r, 4 * t + i, ok);
+    if (bad || !ok) place_of = at(r, r->p->tets[4 * (size_t)t]);
+    faces += bad;
+  }
+  if (!place_of) return TET_OK;
+  return tet_fail(r->ctx, TET_E_ROUNDING,
+                  "facets closer than doubles hold: rounding leaves %llu inverted tetrahedra and %llu faces not "
+                  "locally Delaunay, near (%.17g, %.17g, %.17g)",
+                  (unsigned long long)inverted, (unsigned long long)faces / 2, place_of[0], place_of[1], place_of[2]);
+}
+
+tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, tet_pieces *p, uint32_t **tri, uint64_t *ret_flips) {
+  size_t n = p->n_tets;
+  repair r = {.ctx = ctx, .p = p, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
+  tet_status status = TET_OK;
+  for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;) {
+    int steiner = 0;
+    for (int i = 0; i < 4; i++) steiner |= p->tets[4 * (size_t)t + (size_t)i] >= p->n_input;
+    if (steiner) status = push(&r, t);
+  }
+  for (uint32_t e = 0; e < surface->n_subsegs && r.n_stack && status == TET_OK; e++)
+    status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
+  if (status == TET_OK) status = flip_all(&r, surface);
+  compact(&r);
+  if (status == TET_OK) status = verify(&r);
+  *ret_flips = r.flips;
+  tet_edge_map_free(ctx, &r.subsegs);
+  tet_free(ctx, r.stack);
+  return status;
+}
