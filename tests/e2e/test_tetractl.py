@@ -3,20 +3,19 @@
 that `tetractl mesh` starts for itself."""
 
 import json
-import os
 import pathlib
 import random
 import signal
 import subprocess
+import sys
 import time
 
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
-TETRACTL, TETRAD = BUILD / "clients/tetractl", BUILD / "server/tetrad"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from serving import PATIENCE, ROOT, TETRACTL, Daemon  # noqa: E402
+
 BRACKET = ROOT / "tests/support/parts/bracket.poly"
-PATIENCE = 60  # seconds until a test gives a process up
 
 CUBE = """OFF
 8 6 0
@@ -59,15 +58,9 @@ def fixture_cube(tmp_path):
 def fixture_daemon(tmp_path):
     """A running daemon; gives the address to connect to."""
     path = tmp_path / "d.sock"
-    with subprocess.Popen([TETRAD, "--unix", path, "--workers", "1"], stderr=subprocess.PIPE) as process:
-        for line in process.stderr:
-            if b"listening" in line:
-                break
-        assert process.poll() is None
+    with Daemon("--unix", path, "--workers", 1) as running:
         yield f"unix:{path}"
-        process.terminate()
-        process.stderr.read()
-        assert process.wait(PATIENCE) == 0
+    assert running.status == 0
 
 
 def test_part_is_meshed_with_its_regions_and_markers(tmp_path):

@@ -12,15 +12,11 @@ points and the tetrahedra alone.
 
 import array
 import json
-import os
 import pathlib
 import re
-import socket
-import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
+import serving
 
 
 def read_off(path):
@@ -31,36 +27,6 @@ def read_off(path):
     if any(k != "3" for k in faces[::4]):
         sys.exit("wire_bytes: not a triangulated surface")
     return [float(x) for x in words[4:4 + 3 * n]], [int(v) for i, v in enumerate(faces) if i % 4]
-
-
-class Client:
-    """One connection; calls in turn."""
-
-    def __init__(self, address):
-        self.stream = socket.create_connection(address).makefile("rwb")
-        self.received = self.calls = 0
-
-    def call(self, method, params, body=b"", on_notification=lambda message, size: None):
-        self.calls += 1
-        message = {"jsonrpc": "2.0", "id": self.calls, "method": method, "params": params}
-        if body:
-            message["body"] = len(body)
-        self.stream.write(json.dumps(message).encode() + b"\n" + body)
-        self.stream.flush()
-        while True:
-            line = self.stream.readline()
-            if not line:
-                sys.exit(f"wire_bytes: the server hung up in {method}")
-            message = json.loads(line)
-            size = message.get("body", 0)
-            self.stream.read(size)
-            self.received += len(line) + size
-            if "id" not in message:
-                on_notification(message, len(line) + size)
-            elif "error" in message:
-                sys.exit(f"wire_bytes: {method}: {message['error']}")
-            else:
-                return message["result"]
 
 
 def raw_bytes(entry):
@@ -82,34 +48,21 @@ def measure(client, points, triangles, radius_edge, order, codec):
         sys.exit(f"wire_bytes: job {done['state']}: {done.get('error')}")
     wire = {}
 
-    def count(message, size):
+    def count(message, body):
         name = message["params"]["array"]
-        wire[name] = wire.get(name, 0) + size
+        line = len(json.dumps(message, separators=(",", ":"))) + 1
+        wire[name] = wire.get(name, 0) + line + len(body)
 
-    before = client.received
+    before = client.bytes_read
     client.call("mesh.fetch", {"job": job}, on_notification=count)
+    total = client.bytes_read - before
     raw = {entry["name"]: raw_bytes(entry) for entry in done["arrays"]}
     shapes = {entry["name"]: entry["shape"][0] for entry in done["arrays"]}
     client.call("job.delete", {"job": job})
-    total = client.received - before
     mesh = ["points", "tetrahedra"]
     part_raw, part_wire = sum(raw[n] for n in mesh), sum(wire[n] for n in mesh)
     print(f"| {order} | {codec} | {shapes['tetrahedra']} | {sum(raw.values())} | {total}"
           f" | {total / sum(raw.values()):.3f} | {part_raw} | {part_wire} | {part_wire / part_raw:.3f} |", flush=True)
-
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
-
-
-def connect(daemon, address):
-    """A connection, once the daemon says on its standard error that it listens."""
-    for line in daemon.stderr:
-        if b"listening" in line:
-            return Client(address)
-    sys.exit("wire_bytes: the daemon ended")
 
 
 def main():
@@ -117,20 +70,16 @@ def main():
         sys.exit("usage: wire_bytes.py SURFACE.off [RADIUS-EDGE]")
     points, triangles = read_off(sys.argv[1])
     radius_edge = float(sys.argv[2]) if len(sys.argv) > 2 else 1.414
-    address = ("127.0.0.1", free_port())
-    daemon = subprocess.Popen([BUILD / "server/tetrad", "--tcp", f"{address[0]}:{address[1]}", "--workers", "1"],
-                              stderr=subprocess.PIPE)
-    try:
-        client = connect(daemon, address)
+    port = serving.free_port()
+    with serving.Daemon("--tcp", f"127.0.0.1:{port}", "--workers", 1), \
+            serving.Connection(("127.0.0.1", port)) as client:
+        client.socket.settimeout(None)
         client.call("server.hello", {"protocol": 1})
         print("| order | codec | tetrahedra | raw | wire | wire/raw | points+tetrahedra raw | wire | wire/raw |")
         print("|---|---|---|---|---|---|---|---|---|")
         for order in ("hilbert", "input_first"):
             for codec in ("mesh", "zlib"):
                 measure(client, points, triangles, radius_edge, order, codec)
-    finally:
-        daemon.terminate()
-        daemon.wait()
 
 
 if __name__ == "__main__":
