@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+/* encroach.c: which subsegments and subfaces are encroached (3.1), with exact
+ * signs on the stored doubles. On the sphere is not inside. In a locally Delaunay
+ * mesh the apexes of the adjacent tetrahedra are all that need be looked at. */
+#include "refine/refiner.h"
+
+int refine_seg_hit_by(const refiner *r, uint32_t e, uint32_t vertex) {
+  return tet_dot_sign(&r->points, r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1], vertex) < 0;
+}
+
+int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex) {
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
+  return tet_in_diametric_ball3(&r->points, v[0], v[1], v[2], vertex) > 0;
+}
+
+int refine_sub_encroached(const refiner *r, uint32_t s) {
+  for (int side = 0; side < 2; side++) {
+    uint32_t h = r->sub_side[2 * (size_t)s + side];
+    if (h != TET_NONE && refine_sub_hit_by(r, s, r->tet_v[h])) return 1;
+  }
+  return 0;
+}
+
+/* Uses hit_subs as scratch. */
+tet_status refine_seg_encroached(refiner *r, uint32_t e, int *ret_yes) {
+  refine_list star = {0};
+  uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
+  tet_status status = refine_seg_star(r, e, &star);
+  *ret_yes = 0;
+  for (uint32_t k = 0; k < 4 * star.n && !status && !*ret_yes; k++) {
+    uint32_t v = r->tet_v[4 * (size_t)star.at[k / 4] + k % 4];
+    *ret_yes = v != a && v != b && refine_seg_hit_by(r, e, v);
+  }
+  tet_free(r->ctx, star.at);
+  return status;
+}
+
+static tet_status push_new(refiner *r, refine_list *list, uint32_t value) {
+  for (uint32_t i = 0; i < list->n; i++)
+    if (list->at[i] == value) return TET_OK;
+  return refine_push(r, list, value);
+}
+
+/* The subsegments, and if asked for the subfaces, at the grown cavity that its
+ * point encroaches upon or, being beyond it, cannot be seen from. */
+tet_status refine_collect_hits(refiner *r, int subfaces) {
+  const refine_cavity *c = &r->cavity;
+  tet_status status = TET_OK;
+  r->hit_segs.n = 0;
+  if (subfaces) r->hit_subs.n = 0;
+  for (uint32_t k = 0; k < c->tets.n && !status; k++) {
+    uint32_t t = c->tets.at[k];
+    const uint32_t *v = r->tet_v + 4 * (size_t)t;
+    for (int e = 0; e < 6 && r->tet_edges[t] & 63 && !status; e++) {
+      uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
+      if (!(r->tet_edges[t] >> e & 1) || tet_dot_sign(&r->points, a, b, c->p) >= 0) continue;
+      status = push_new(r, &r->hit_segs, refine_find_seg(r, a, b));
+    }
+    for (uint32_t i = 0; i < 4 && subfaces && !status; i++) {
+      uint32_t s = r->tet_sub[4 * (size_t)t + i];
+      if (s == TET_NONE) continue;
+      const uint8_t *f = refine_face[i];
+      if (refine_sub_hit_by(r, s, c->p) || tet_orient3d(&r->points, c->p, v[f[0]], v[f[1]], v[f[2]]) <= 0)
+        status = push_new(r, &r->hit_subs, s);
+    }
+  }
+  return status;
+}
+
+static tet_status queue_hit_segs(refiner *r, uint32_t n) {
+  const uint32_t *v = r->tet_v + 4 * (size_t)n;
+  for (int e = 0; e < 6; e++) {
+    if (!(r->tet_edges[n] >> e & 1)) continue;
+    const uint8_t *ends = refine_edge[e], *rest = refine_edge[5 - e];
+    uint32_t a = v[ends[0]], b = v[ends[1]];
+    /* an old subsegment meets the new vertex alone */
+    int hit = tet_dot_sign(&r->points, a, b, v[rest[0]]) < 0;
+    if (!hit && ends[0] == 0) hit = tet_dot_sign(&r->points, a, b, v[rest[1]]) < 0;
+    if (!hit) continue;
+    tet_status status = refine_queue_seg(r, refine_find_seg(r, a, b));
+    if (status) return status;
+  }
+  return TET_OK;
+}
+
+/* Queues what the last insertion left to do: its new tetrahedra, and subsegments
+ * and subfaces at them. */
+tet_status refine_after_insertion(refiner *r) {
+  const refine_cavity *c = &r->cavity;
+  tet_status status = TET_OK;
+  for (uint32_t k = 0; k < c->faces_new.n && !status; k++) {
+    uint32_t n = c->faces_new.at[k];
+    if (r->tet_edges[n] & 63) status = queue_hit_segs(r, n);
+    for (uint32_t i = 0; i < 4 && !status; i++) {
+      uint32_t s = r->tet_sub[4 * (size_t)n + i];
+      if (s != TET_NONE && refine_sub_hit_by(r, s, r->tet_v[4 * (size_t)n + i])) status = refine_queue_sub(r, s);
+    }
+    if (!status) status = refine_queue_tet(r, n);
+  }
+  return status;
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+/* exceptions.c: what is still over a bound at the end, with the nearest sharp
+ * subsegment; and whether the promises about encroachment hold. */
+#include "refine/refiner.h"
+
+#include <math.h>
+#include <string.h>
+
+/* For every tetrahedron the sharp subsegment fewest faces away, all by one search
+ * from all sharp subsegments at once. */
+static tet_status nearest_sharp(refiner *r, uint32_t *label, uint32_t *queue) {
+  uint32_t n = 0;
+  memset(label, 0xff, (size_t)r->n_tets * sizeof *label);
+  refine_list star = {0};
+  for (uint32_t e = 0; e < r->n_segs; e++) {
+    if (!r->segment_sharp[r->seg_of[e]]) continue;
+    star.n = 0;
+    tet_status status = refine_seg_star(r, e, &star);
+    if (status) {
+      tet_free(r->ctx, star.at);
+      return status;
+    }
+    for (uint32_t k = 0; k < star.n; k++)
+      if (label[star.at[k]] == TET_NONE) {
+        label[star.at[k]] = e;
+        queue[n++] = star.at[k];
+      }
+  }
+  tet_free(r->ctx, star.at);
+  for (uint32_t k = 0; k < n; k++)
+    for (uint32_t h = 4 * queue[k]; h < 4 * queue[k] + 4; h++) {
+      uint32_t u = r->tet_adj[h];
+      if (u == TET_NONE || label[u >> 2] != TET_NONE) continue;
+      label[u >> 2] = label[queue[k]];
+      queue[n++] = u >> 2;
+    }
+  return TET_OK;
+}
+
+/* Lists live tetrahedra over a bound in slot order, which packing keeps. */
+tet_status refine_list_exceptions(refiner *r) {
+  tet_refine_result *ret = &r->result;
+  refine_list bad = {0};
+  refine_shape shape;
+  tet_status status = TET_OK;
+  uint32_t row = 0;
+  for (uint32_t t = 0; t < r->n_tets && !status; t++) {
+    if (!refine_alive(r, t)) continue;
+    refine_measure(r, t, &shape);
+    if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, &shape)) {
+      status = refine_push(r, &bad, t);
+      if (!status) status = refine_push(r, &bad, row);
+    }
+    row++;
+  }
+  uint32_t n = bad.n / 2;
+  uint32_t *label = NULL, *queue = NULL;
+  if (!status) {
+    ret->exception_tet = tet_alloc(r->ctx, n, sizeof *ret->exception_tet);
+    ret->exception_value = tet_alloc(r->ctx, n, sizeof *ret->exception_value);
+    ret->exception_segment = tet_alloc(r->ctx, n, sizeof *ret->exception_segment);
+    label = tet_alloc(r->ctx, n ? r->n_tets : 0, sizeof *label);
+    queue = tet_alloc(r->ctx, n ? r->n_tets : 0, sizeof *queue);
+    if (!ret->exception_tet || !ret->exception_value || !ret->exception_segment || !label || !queue)
+      status = TET_E_MEMORY;
+  }
+  if (!status && n) status = nearest_sharp(r, label, queue);
+  for (uint32_t k = 0; k < n && !status; k++) {
+    uint32_t t = bad.at[2 * (size_t)k];
+    refine_measure(r, t, &shape);
+    ret->exception_tet[k] = bad.at[2 * (size_t)k + 1];
+    ret->exception_value[k] = sqrt(shape.radius2 / shape.shortest2);
+    ret->exception_segment[k] = label[t];
+  }
+  if (!status) ret->n_exceptions = n;
+  tet_free(r->ctx, label);
+  tet_free(r->ctx, queue);
+  tet_free(r->ctx, bad.at);
+  return status;
+}
+
+/* Looks at every face, subface and subsegment once more. */
+tet_status refine_check(refiner *r) {
+  tet_refine_result *ret = &r->result;
+  ret->gabriel = ret->constrained_delaunay = 1;
+  for (uint32_t e = 0; e < r->n_segs && ret->gabriel; e++) {
+    int hit;
+    tet_status status = refine_seg_encroached(r, e, &hit);
+    if (status) return status;
+    ret->gabriel = !hit;
+  }
+  for (uint32_t s = 0; s < r->n_subs && ret->gabriel; s++)
+    ret->gabriel = r->sub_v[3 * (size_t)s] == TET_NONE || !refine_sub_encroached(r, s);
+  for (uint32_t t = 0; t < r->n_tets && ret->constrained_delaunay; t++) {
+    if (!refine_alive(r, t)) continue;
+    const uint32_t *v = r->tet_v + 4 * (size_t)t;
+    for (uint32_t h = 4 * t; h < 4 * t + 4 && ret->constrained_delaunay; h++) {
+      if (r->tet_sub[h] != TET_NONE || r->tet_adj[h] < h) continue;
+      uint32_t apex = r->tet_v[r->tet_adj[h]];
+      ret->constrained_delaunay = tet_insphere(&r->points, v[0], v[1], v[2], v[3], apex) <= 0;
+    }
+  }
+  return TET_OK;
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/* flatness.c: what lies on one segment or one facet, decided by incidence.
+ * Rounded Steiner points are off their line or plane by some last bits, so signs
+ * cannot tell; a tetrahedron of four such points has a volume of nothing. */
+#include "refine/refiner.h"
+
+int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet) {
+  const uint32_t *at, *end;
+  if (v < r->n_first) {
+    at = r->vertex_facet + r->vertex_facet_start[v];
+    end = r->vertex_facet + r->vertex_facet_start[v + 1];
+  } else if (r->out->origin[v] == TET_ORIGIN_FACET) {
+    return r->out->carrier[v] == facet;
+  } else if (r->out->origin[v] == TET_ORIGIN_SEGMENT) {
+    uint32_t segment = r->out->carrier[v];
+    at = r->segment_facet + r->segment_facet_start[segment];
+    end = r->segment_facet + r->segment_facet_start[segment + 1];
+  } else {
+    return 0;
+  }
+  while (at < end && *at != facet) at++;
+  return at < end;
+}
+
+int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment) {
+  const tet_segment *s = &r->out->segment[segment];
+  return v == s->a || v == s->b || (r->out->origin[v] == TET_ORIGIN_SEGMENT && r->out->carrier[v] == segment);
+}
+
+static int all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet) {
+  return refine_on_facet(r, v[0], facet) && refine_on_facet(r, v[1], facet) && refine_on_facet(r, v[2], facet) &&
+         refine_on_facet(r, v[3], facet);
+}
+
+/* 1 if four vertices, v[0] the one on the fewest polytopes, lie on one facet, or
+ * three of them on one segment. */
+int refine_is_flat(const refiner *r, const uint32_t v[4]) {
+  uint8_t origin = r->out->origin[v[0]];
+  uint32_t carrier = r->out->carrier[v[0]];
+  if (origin == TET_ORIGIN_FACET) return all_on_facet(r, v, carrier);
+  if (origin == TET_ORIGIN_SEGMENT) {
+    int on = 0;
+    for (int i = 0; i < 4; i++) on += refine_on_segment(r, v[i], carrier);
+    if (on > 2) return 1;
+    for (uint32_t i = r->segment_facet_start[carrier]; i < r->segment_facet_start[carrier + 1]; i++)
+      if (all_on_facet(r, v, r->segment_facet[i])) return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+/* load.c: from pieces to the refiner's form: subfaces at their faces, rings at
+ * their edges, patches, and which facets each vertex and segment lies on.
+ * Takes the arrays of the pieces over; decides nothing about refinement. */
+#include "refine/refiner.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Up to three numbers, sorted, to a slot's start. */
+static uint64_t mix(uint64_t a, uint64_t b, uint64_t c) {
+  uint64_t h = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xc2b2ae3d27d4eb4fu) ^ (c * 0x165667b19e3779f9u);
+  return h ^ h >> 29 ^ h >> 43;
+}
+
+static void sort3(uint32_t v[3]) {
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 2 - i; j++)
+      if (v[j] > v[j + 1]) {
+        uint32_t w = v[j];
+        v[j] = v[j + 1];
+        v[j + 1] = w;
+      }
+}
+
+static uint32_t *new_table(refiner *r, uint64_t items, uint64_t *ret_mask) {
+  uint64_t size = 64;
+  while (size < 2 * items) size *= 2;
+  uint32_t *table = tet_alloc(r->ctx, size, sizeof *table);
+  if (table) memset(table, 0xff, size * sizeof *table);
+  *ret_mask = size - 1;
+  return table;
+}
+
+static int same_face(const uint32_t *sorted, const uint32_t *face) {
+  uint32_t v[3] = {face[0], face[1], face[2]};
+  sort3(v);
+  return memcmp(v, sorted, sizeof v) == 0;
+}
+
+/* Hangs subfaces on the faces of tetrahedra. */
+static tet_status hang_subfaces(refiner *r) {
+  uint64_t mask;
+  uint32_t *table = new_table(r, r->n_subs, &mask);
+  uint8_t *on = tet_calloc(r->ctx, r->points.n, 1);
+  tet_status status = table && on ? TET_OK : TET_E_MEMORY;
+  for (uint32_t s = 0; s < r->n_subs && !status; s++) {
+    uint32_t v[3];
+    memcpy(v, r->sub_v + 3 * (size_t)s, sizeof v);
+    sort3(v);
+    uint64_t i = mix(v[0], v[1], v[2]) & mask;
+    while (table[i] != TET_NONE) i = (i + 1) & mask;
+    table[i] = s;
+    for (int j = 0; j < 3; j++) on[v[j]] = 1;
+  }
+  for (uint32_t t = 0; t < r->n_tets && !status; t++)
+    for (uint32_t f = 0; f < 4; f++) {
+      uint32_t v[3], found = TET_NONE, h = 4 * t + f;
+      for (int j = 0; j < 3; j++) v[j] = r->tet_v[4 * (size_t)t + refine_face[f][j]];
+      if (!on[v[0]] || !on[v[1]] || !on[v[2]]) continue;
+      sort3(v);
+      for (uint64_t i = mix(v[0], v[1], v[2]) & mask; table[i] != TET_NONE; i = (i + 1) & mask)
+        if (same_face(v, r->sub_v + 3 * (size_t)table[i])) found = table[i];
+      if (found == TET_NONE) continue;
+      r->tet_sub[h] = found;
+      uint32_t *side = r->sub_side + 2 * (size_t)found;
+      side[side[0] != TET_NONE] = h;
+    }
+  for (size_t h = 0; h < 4 * (size_t)r->n_tets && !status; h++)
+    if (r->tet_adj[h] == TET_NONE && r->tet_sub[h] == TET_NONE)
+      status = tet_internal(r->ctx, "a boundary face is no subface");
+  for (uint32_t s = 0; s < r->n_subs && !status; s++)
+    if (r->sub_side[2 * (size_t)s] == TET_NONE) status = tet_internal(r->ctx, "a subface is no face");
+  tet_free(r->ctx, table);
+  tet_free(r->ctx, on);
+  return status;
+}
+
+/* Links the edges of subfaces into rings and finds their subsegments. */
+static tet_status link_rings(refiner *r) {
+  uint64_t mask;
+  uint32_t *table = new_table(r, 3 * (uint64_t)r->n_subs, &mask);
+  if (!table) return TET_E_MEMORY;
+  for (uint32_t h = 0; h < 3 * r->n_subs; h++) {
+    uint32_t base = h - h % 3, a = r->sub_v[h], b = r->sub_v[base + (h + 1) % 3];
+    uint64_t i = a < b ? mix(a, b, 7) & mask : mix(b, a, 7) & mask;
+    for (; table[i] != TET_NONE; i = (i + 1) & mask) {
+      uint32_t o = table[i], c = r->sub_v[o], d = r->sub_v[o - o % 3 + (o + 1) % 3];
+      if ((a == c && b == d) || (a == d && b == c)) break;
+    }
+    if (table[i] == TET_NONE) {
+      table[i] = r->ring[h] = h;
+    } else {
+      r->ring[h] = r->ring[table[i]];
+      r->ring[table[i]] = h;
+    }
+    uint32_t e = refine_find_seg(r, a, b);
+    r->sub_seg[h] = e;
+    if (e != TET_NONE) r->seg_sub[e] = h;
+  }
+  tet_free(r->ctx, table);
+  return TET_OK;
+}
+
+static void cross(const double *a, const double *b, const double *c, double n[3]) {
+  double u[3], w[3];
+  for (int i = 0; i < 3; i++) u[i] = b[i] - a[i], w[i] = c[i] - a[i];
+  for (int i = 0; i < 3; i++) n[i] = u[(i + 1) % 3] * w[(i + 2) % 3] - u[(i + 2) % 3] * w[(i + 1) % 3];
+}
+
+static void flip_sub(refiner *r, uint32_t s) {
+  uint32_t *v = r->sub_v + 3 * (size_t)s, w = v[1];
+  v[1] = v[2];
+  v[2] = w;
+}
+
+/* The patch of subface `first`: all reached over edges that are no subsegments.
+ * Its plane is that of its largest triangle. Orients the members in list order. */
+static tet_status gather_patch(refiner *r, uint32_t first, const uint32_t *facet, refine_list *list,
+                               uint8_t *turned) {
+  uint32_t patch = r->n_patches, largest = first;
+  double most = -1, normal[3] = {0, 0, 0};
+  list->n = 0;
+  r->sub_patch[first] = patch;
+  tet_status status = refine_push(r, list, first);
+  for (uint32_t k = 0; k < list->n && !status; k++) {
+    uint32_t s = list->at[k];
+    const uint32_t *v = r->sub_v + 3 * (size_t)s;
+    double n[3];
+    cross(refine_x(r, v[0]), refine_x(r, v[1]), refine_x(r, v[2]), n);
+    double area = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (area > most) {
+      most = area;
+      largest = s;
+      memcpy(normal, n, sizeof n);
+      if (turned[s]) for (int i = 0; i < 3; i++) normal[i] = -n[i];
+    }
+    for (uint32_t h = 3 * s; h < 3 * s + 3 && !status; h++) {
+      if (r->sub_seg[h] != TET_NONE) continue;
+      uint32_t o = r->ring[h], u = o / 3;
+      if (o == h || r->ring[o] != h || facet[u] != facet[s])
+        return tet_internal(r->ctx, "a facet's edge is no subsegment");
+      if (r->sub_patch[u] != TET_NONE) continue;
+      r->sub_patch[u] = patch;
+      turned[u] = turned[s] ^ (r->sub_v[h] == r->sub_v[o]);
+      status = refine_push(r, list, u);
+    }
+  }
+  if (status) return status;
+  refine_patch p = {.facet = facet[first], .axis = 0};
+  for (int i = 1; i < 3; i++)
+    if (fabs(normal[i]) > fabs(normal[p.axis])) p.axis = i;
+  double length = sqrt(most);
+  int back = normal[p.axis] < 0;
+  memcpy(p.origin, refine_x(r, r->sub_v[3 * (size_t)largest]), sizeof p.origin);
+  for (int i = 0; i < 3; i++) p.normal[i] = normal[i] / (length > 0 ? length : 1);
+  for (uint32_t k = 0; k < list->n; k++)
+    if (turned[list->at[k]] ^ back) flip_sub(r, list->at[k]);
+  status = tet_grow(r->ctx, &r->patch, &r->cap_patch, (size_t)patch + 1, sizeof *r->patch);
+  if (!status) r->patch[r->n_patches++] = p;
+  return status;
+}
+
+static tet_status gather_patches(refiner *r, const uint32_t *facet) {
+  refine_list list = {0};
+  uint8_t *turned = tet_calloc(r->ctx, r->n_subs, 1);
+  tet_status status = turned ? TET_OK : TET_E_MEMORY;
+  for (uint32_t s = 0; s < r->n_subs; s++) r->sub_patch[s] = TET_NONE;
+  for (uint32_t s = 0; s < r->n_subs && !status; s++)
+    if (r->sub_patch[s] == TET_NONE) status = gather_patch(r, s, facet, &list, turned);
+  tet_free(r->ctx, turned);
+  tet_free(r->ctx, list.at);
+  return status;
+}
+
+/* Marks the subsegments among the edges of tetrahedra. */
+static tet_status mark_edges(refiner *r) {
+  uint8_t *on = tet_calloc(r->ctx, r->points.n, 1);
+  if (!on) return TET_E_MEMORY;
+  for (size_t i = 0; i < 2 * (size_t)r->n_segs; i++) on[r->seg_v[i]] = 1;
+  for (uint32_t t = 0; t < r->n_tets; t++)
+    for (int e = 0; e < 6; e++) {
+      uint32_t a = r->tet_v[4 * (size_t)t + refine_edge[e][0]], b = r->tet_v[4 * (size_t)t + refine_edge[e][1]];
+      if (!on[a] || !on[b]) continue;
+      uint32_t g = refine_find_seg(r, a, b);
+      if (g == TET_NONE) continue;
+      r->tet_edges[t] |= (uint8_t)(1 << e);
+      if (r->seg_sub[g] != TET_NONE) continue;
+      r->tet_edges[t] |= EDGE_LOOSE;
+      r->seg_tet[g] = t;
+    }
+  tet_free(r->ctx, on);
+  for (uint32_t e = 0; e < r->n_segs; e++)
+    if (r->seg_sub[e] == TET_NONE && r->seg_tet[e] == TET_NONE)
+      return tet_internal(r->ctx, "a subsegment is no edge");
+  return TET_OK;
+}
+
+/* Lists, without repeats, the items of each owner: pairs are (owner, item). */
+static tet_status tabulate(refiner *r, uint32_t n_owners, const uint32_t *pairs, size_t n_pairs,
+                           uint32_t **ret_start, uint32_t **ret_item) {
+  uint32_t *start = *ret_start = tet_calloc(r->ctx, (size_t)n_owners + 2, sizeof *start);
+  uint32_t *item = *ret_item = tet_alloc(r->ctx, n_pairs, sizeof *item);
+  if (!start || !item) return TET_E_MEMORY;
+  for (size_t i = 0; i < n_pairs; i++) start[pairs[2 * i] + 2]++;
+  for (uint32_t i = 0; i < n_owners; i++) start[i + 2] += start[i + 1];
+  for (size_t i = 0; i < n_pairs; i++) item[start[pairs[2 * i] + 1]++] = pairs[2 * i + 1];
+  uint32_t to = 0; /* start[i + 1] is now the end of i's items */
+  for (uint32_t i = 0, from = 0; i < n_owners; i++) {
+    uint32_t first = to, end = start[i + 1];
+    for (; from < end; from++) {
+      uint32_t k = first;
+      while (k < to && item[k] != item[from]) k++;
+      if (k == to) item[to++] = item[from];
+    }
+    start[i] = first;
+  }
+  start[n_owners] = to;
+  return TET_OK;
+}
+
+/* Which facets each vertex and each segment lies on. */
+static tet_status tabulate_facets(refiner *r, const uint32_t *facet) {
+  size_t n = 3 * (size_t)r->n_subs, m = 0;
+  uint32_t *pairs = tet_alloc(r->ctx, 2 * n, sizeof *pairs);
+  if (!pairs) return TET_E_MEMORY;
+  for (size_t h = 0; h < n; h++) {
+    pairs[2 * h] = r->sub_v[h];
+    pairs[2 * h + 1] = facet[h / 3];
+  }
+  tet_status status = tabulate(r, r->points.n, pairs, n, &r->vertex_facet_start, &r->vertex_facet);
+  for (size_t h = 0; h < n; h++)
+    if (r->sub_seg[h] != TET_NONE) {
+      pairs[2 * m] = r->seg_of[r->sub_seg[h]];
+      pairs[2 * m++ + 1] = facet[h / 3];
+    }
+  if (!status)
+    status = tabulate(r, r->out->n_segments, pairs, m, &r->segment_facet_start, &r->segment_facet);
+  tet_free(r->ctx, pairs);
+  return status;
+}
+
+/* Takes the arrays over and makes room for what belongs to each element. */
+static tet_status take_over(refiner *r) {
+  tet_pieces *p = r->out;
+  uint32_t n = p->n_points;
+  r->n_first = n;
+  r->points = (tet_points){.x = p->points, .n = n, .first_implicit = TET_NONE};
+  for (size_t i = 0; i < 3 * (size_t)n; i++)
+    if (fabs(p->points[i]) > r->points.max_abs) r->points.max_abs = fabs(p->points[i]);
+  r->cap_x = 3 * (size_t)n;
+  r->cap_origin = r->cap_carrier = n;
+  r->tet_v = p->tets;
+  r->tet_adj = p->adj;
+  r->tet_region = p->region;
+  r->n_tets = p->n_tets;
+  r->cap_tet_v = r->cap_tet_adj = 4 * (size_t)p->n_tets;
+  r->cap_tet_region = p->n_tets;
+  r->sub_v = p->subface;
+  r->n_subs = p->n_subfaces;
+  r->cap_sub_v = 3 * (size_t)p->n_subfaces;
+  r->seg_v = p->subseg;
+  r->seg_of = p->subseg_segment;
+  r->n_segs = p->n_subsegs;
+  r->cap_seg_v = 2 * (size_t)p->n_subsegs;
+  r->cap_seg_of = p->n_subsegs;
+  p->tets = p->adj = p->region = p->subface = p->subseg = p->subseg_segment = NULL;
+  p->n_tets = p->n_subfaces = p->n_subsegs = 0;
+  r->free_tet = r->free_sub = TET_NONE;
+
+  size_t t = r->n_tets, s = r->n_subs, e = r->n_segs;
+  tet_status status = tet_grow(r->ctx, &r->size, &r->cap_size, n, sizeof *r->size);
+  if (!status) status = tet_grow(r->ctx, &r->sharp_size, &r->cap_sharp_size, n, sizeof *r->sharp_size);
+  if (!status) status = tet_grow(r->ctx, &r->stamp, &r->cap_stamp, n, sizeof *r->stamp);
+  if (!status) status = tet_grow(r->ctx, &r->tet_sub, &r->cap_tet_sub, 4 * t, sizeof *r->tet_sub);
+  if (!status) status = tet_grow(r->ctx, &r->tet_edges, &r->cap_tet_edges, t, 1);
+  if (!status) status = tet_grow(r->ctx, &r->tet_mark, &r->cap_tet_mark, t, 1);
+  if (!status) status = tet_grow(r->ctx, &r->sub_side, &r->cap_sub_side, 2 * s, sizeof *r->sub_side);
+  if (!status) status = tet_grow(r->ctx, &r->sub_seg, &r->cap_sub_seg, 3 * s, sizeof *r->sub_seg);
+  if (!status) status = tet_grow(r->ctx, &r->ring, &r->cap_ring, 3 * s, sizeof *r->ring);
+  if (!status) status = tet_grow(r->ctx, &r->sub_patch, &r->cap_sub_patch, s, sizeof *r->sub_patch);
+  if (!status) status = tet_grow(r->ctx, &r->sub_mark, &r->cap_sub_mark, s, 1);
+  if (!status) status = tet_grow(r->ctx, &r->seg_sub, &r->cap_seg_sub, e, sizeof *r->seg_sub);
+  if (!status) status = tet_grow(r->ctx, &r->seg_tet, &r->cap_seg_tet, e, sizeof *r->seg_tet);
+  if (!status) status = tet_grow(r->ctx, &r->seg_waiting, &r->cap_seg_waiting, e, 1);
+  if (status) return status;
+  memset(r->size, 0, n * sizeof *r->size);
+  memset(r->sharp_size, 0, n * sizeof *r->sharp_size);
+  memset(r->stamp, 0, n * sizeof *r->stamp);
+  memset(r->tet_sub, 0xff, 4 * t * sizeof *r->tet_sub);
+  memset(r->tet_edges, 0, t);
+  memset(r->tet_mark, 0, t);
+  memset(r->sub_side, 0xff, 2 * s * sizeof *r->sub_side);
+  memset(r->sub_mark, 0, s);
+  memset(r->seg_sub, 0xff, e * sizeof *r->seg_sub);
+  memset(r->seg_tet, 0xff, e * sizeof *r->seg_tet);
+  memset(r->seg_waiting, 0, e);
+  return TET_OK;
+}
+
+tet_status refine_load(refiner *r) {
+  tet_status status = take_over(r);
+  if (!status) status = refine_build_seg_table(r);
+  if (!status) status = hang_subfaces(r);
+  if (!status) status = link_rings(r);
+  const uint32_t *facet = r->out->subface_facet;
+  if (!status) status = gather_patches(r, facet);
+  if (!status) status = link_rings(r); /* patches turned some subfaces */
+  if (!status) status = mark_edges(r);
+  if (!status) status = tabulate_facets(r, facet);
+  if (!status) {
+    tet_free(r->ctx, r->out->subface_facet);
+    r->out->subface_facet = NULL;
+  }
+  return status;
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+/* refine.c: the loop of Delaunay refinement (Fig. 3.5 under the accepting rule of
+ * 4.1.4): R1 before R2 before R3, until no rule applies. */
+#include "refine/refine.h"
+#include "refine/refiner.h"
+
+void tet_refine_options_default(tet_refine_options *options) {
+  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.35, .floor = 1e-3};
+}
+
+void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {
+  tet_free(ctx, result->exception_tet);
+  tet_free(ctx, result->exception_value);
+  tet_free(ctx, result->exception_segment);
+  *result = (tet_refine_result){0};
+}
+
+/* All that is encroached or over a bound at the start. */
+static tet_status queue_all(refiner *r) {
+  tet_status status = TET_OK;
+  for (uint32_t e = 0; e < r->n_segs && !status; e++) {
+    int hit;
+    status = refine_seg_encroached(r, e, &hit);
+    if (!status && hit) status = refine_queue_seg(r, e);
+  }
+  for (uint32_t s = 0; s < r->n_subs && !status; s++)
+    if (refine_sub_encroached(r, s)) status = refine_queue_sub(r, s);
+  for (uint32_t t = 0; t < r->n_tets && !status; t++) {
+    status = refine_queue_tet(r, t);
+    if (!status && (t & 1023) == 0) status = tet_poll(r->ctx);
+  }
+  return status;
+}
+
+/* Applies the first rule that can be; *ret_more = 0 when none is left. */
+static tet_status step(refiner *r, int *ret_more) {
+  uint32_t item;
+  refine_outcome outcome;
+  *ret_more = 1;
+  if (refine_next_seg(r, &item)) {
+    int hit;
+    tet_status status = refine_seg_encroached(r, item, &hit);
+    return status || !hit ? status : refine_split_seg(r, item, CAUSE_VERTEX, &outcome);
+  }
+  if (refine_next_sub(r, &item))
+    return refine_sub_encroached(r, item) ? refine_split_sub(r, item, CAUSE_VERTEX, &outcome) : TET_OK;
+  if (refine_next_tet(r, &item)) return refine_split_tet(r, item, &outcome);
+  *ret_more = 0;
+  return TET_OK;
+}
+
+static tet_status run(refiner *r) {
+  int more = 1;
+  tet_status status = queue_all(r);
+  while (!status && more) {
+    status = step(r, &more);
+    if (!status) status = tet_poll(r->ctx);
+    const tet_refine_result *n = &r->result;
+    uint64_t done = n->segment_points + n->facet_points + n->volume_points;
+    if ((done & 127) == 0) tet_progress_report(r->ctx, -1, r->points.n, r->n_tets - r->n_free_tets, done);
+  }
+  return status;
+}
+
+tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options *options,
+                      tet_refine_result *ret) {
+  if (!(options->radius_edge >= 1) || !(options->max_volume >= 0))
+    return tet_fail(ctx, TET_E_ARGUMENT, "a radius-edge bound of %g, a volume bound of %g", options->radius_edge,
+                    options->max_volume);
+  refiner r = {.ctx = ctx, .o = *options, .out = pieces};
+  tet_status status = refine_load(&r);
+  if (!status) status = refine_find_sharp(&r);
+  if (!status) status = refine_lfs(&r);
+  if (!status) status = run(&r);
+  if (!status) status = refine_list_exceptions(&r);
+  if (!status) status = refine_check(&r);
+  if (!status) status = refine_unload(&r);
+  if (status) {
+    tet_refine_result_free(ctx, &r.result);
+  } else {
+    r.result.n_sharp_segments = r.n_sharp;
+    *ret = r.result;
+  }
+  refine_release(&r);
+  return status;
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/* refine.h: Delaunay refinement of a constrained Delaunay tetrahedralization.
+ *
+ * Thesis chapter 3 (rules R1, R2, R3) under chapter 4's point accepting rule.
+ * Takes the CDT of a domain and makes of it a mesh of bounded radius-edge ratio
+ * that is still an exact CDT, boundary conforming Delaunay where no input
+ * dihedral angle is sharp. */
+#ifndef TET_REFINE_REFINE_H
+#define TET_REFINE_REFINE_H
+
+#include "base/context.h"
+#include "mesh/pieces.h"
+
+typedef struct tet_refine_options {
+  double radius_edge; /* bound rho_0, >= 1 */
+  double max_volume;  /* of every tetrahedron; 0: none. Regions: pieces->region_max_volume */
+  double alpha2;      /* scales the protecting balls near sharp segments (4.1.2) */
+  double floor;       /* scales those of all vertices; far below what angles that are
+                         not sharp can cause, it ends every other cascade */
+} tet_refine_options;
+
+typedef struct tet_refine_result {
+  tet_rejections rejected;
+  uint64_t segment_points, facet_points, volume_points; /* inserted */
+  uint64_t repair_flips;         /* that restored Delaunay after rounding */
+  uint32_t n_sharp_segments;     /* below 60 degrees to a segment, or 69.3 between facets */
+  uint32_t n_exceptions;         /* tetrahedra over a bound */
+  uint32_t *exception_tet;       /* [n] ascending; row of pieces->tets */
+  double *exception_value;       /* [n] radius-edge ratio */
+  uint32_t *exception_segment;   /* [n] row of pieces->subseg, the nearest sharp one, or TET_NONE */
+  int constrained_delaunay;      /* 1: every face off the subfaces is locally Delaunay */
+  int gabriel;                   /* 1: no subface or subsegment is encroached */
+} tet_refine_result;
+
+/* Bound 2.0, no volume bound, and the protecting balls that measurements chose. */
+void tet_refine_options_default(tet_refine_options *options);
+
+/* Refines `pieces` in place. Input vertices keep their rows; new ones are
+ * appended with origin and carrier. Ends on every input: near sharp segments the
+ * accepting rule leaves tetrahedra over the bound, all listed in `ret`, whose
+ * arrays are the caller's (tet_refine_result_free).
+ * Errors: limits, TET_E_MEMORY, TET_E_INTERNAL where `pieces` is no CDT; then
+ * `ret` is untouched and `pieces` is fit for tet_pieces_free alone.
+ * Cost: about 10 microseconds for each point inserted. */
+tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options *options,
+                      tet_refine_result *ret);
+
+void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result);
+
+#endif

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+/* sharp.c: the sharp segments (4.2.2): below 60 degrees to another segment, or
+ * between two facets below arccos(1/(2 sqrt 2)), about 69.3 degrees, through the
+ * domain. In doubles: what is sharp steers points, and decides no sign. */
+#include "refine/refiner.h"
+
+#include <math.h>
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void minus(const double *a, const double *b, double d[3]) {
+  for (int i = 0; i < 3; i++) d[i] = a[i] - b[i];
+}
+
+static void cross(const double *a, const double *b, double c[3]) {
+  for (int i = 0; i < 3; i++) c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* 1 if the angle at v between segments f and g is below 60 degrees. */
+static int below_60(const refiner *r, uint32_t v, const tet_segment *f, const tet_segment *g) {
+  double p[3], q[3];
+  minus(refine_x(r, f->a == v ? f->b : f->a), refine_x(r, v), p);
+  minus(refine_x(r, g->a == v ? g->b : g->a), refine_x(r, v), q);
+  double c = dot(p, q);
+  return c > 0 && c * c > 0.25 * (1 + 1e-12) * dot(p, p) * dot(q, q);
+}
+
+static tet_status plane_angles(refiner *r) {
+  const tet_pieces *p = r->out;
+  uint32_t n = r->points.n;
+  uint32_t *start = tet_calloc(r->ctx, (size_t)n + 2, sizeof *start);
+  uint32_t *at = tet_alloc(r->ctx, 2 * (size_t)p->n_segments, sizeof *at);
+  tet_status status = start && at ? TET_OK : TET_E_MEMORY;
+  if (!status) {
+    for (uint32_t s = 0; s < p->n_segments; s++) start[p->segment[s].a + 2]++, start[p->segment[s].b + 2]++;
+    for (uint32_t i = 0; i < n; i++) start[i + 2] += start[i + 1];
+    for (uint32_t s = 0; s < p->n_segments; s++) {
+      at[start[p->segment[s].a + 1]++] = s;
+      at[start[p->segment[s].b + 1]++] = s;
+    }
+  }
+  for (uint32_t v = 0; v < n && !status; v++) {
+    for (uint32_t i = start[v]; i < start[v + 1]; i++)
+      for (uint32_t j = start[v]; j < i; j++)
+        if (below_60(r, v, &p->segment[at[i]], &p->segment[at[j]])) {
+          r->segment_sharp[at[i]] |= 1;
+          r->segment_sharp[at[j]] |= 1;
+          r->acute_end[v] = 1;
+        }
+    status = tet_poll(r->ctx);
+  }
+  tet_free(r->ctx, start);
+  tet_free(r->ctx, at);
+  return status;
+}
+
+/* From the line ab to x, at a right angle, and turned by a quarter: only angles
+ * between such vectors count. */
+static void arm(const refiner *r, uint32_t a, uint32_t b, uint32_t x, double w[3]) {
+  double e[3], d[3];
+  minus(refine_x(r, b), refine_x(r, a), e);
+  minus(refine_x(r, x), refine_x(r, a), d);
+  cross(e, d, w);
+}
+
+/* 1 if the fan of tetrahedra from face h around ab to the next subface spans a
+ * sharp angle. */
+static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
+  double e[3], first[3], second[3], last[3], n[3];
+  uint32_t x = TET_NONE, steps = 0;
+  minus(refine_x(r, b), refine_x(r, a), e);
+  for (;; steps++) {
+    uint32_t t = h >> 2, i = h & 3, j = 0;
+    for (uint32_t k = 0; k < 4; k++)
+      if (k != i && r->tet_v[4 * (size_t)t + k] != a && r->tet_v[4 * (size_t)t + k] != b) j = k;
+    if (!steps) arm(r, a, b, r->tet_v[4 * (size_t)t + j], first);
+    x = r->tet_v[4 * (size_t)t + i];
+    if (!steps) arm(r, a, b, x, second);
+    size_t exit = 4 * (size_t)t + j;
+    if (r->tet_sub[exit] != TET_NONE || r->tet_adj[exit] == TET_NONE) break;
+    h = r->tet_adj[exit];
+  }
+  arm(r, a, b, x, last);
+  double c = dot(first, last);
+  if (!(c > 0 && 8 * c * c > (1 + 1e-12) * dot(first, first) * dot(last, last))) return 0;
+  if (!steps) return 1;
+  cross(first, second, n); /* the sense of the fan */
+  double sense = dot(n, e);
+  cross(first, last, n);
+  return sense * dot(n, e) > 0;
+}
+
+static void dihedral_angles(refiner *r) {
+  for (uint32_t e = 0; e < r->n_segs; e++) {
+    uint32_t start = r->seg_sub[e], a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
+    if (start == TET_NONE || r->segment_sharp[r->seg_of[e]] & 2) continue;
+    uint32_t edge = start;
+    do {
+      for (int side = 0; side < 2; side++) {
+        uint32_t h = r->sub_side[2 * (size_t)(edge / 3) + side];
+        if (h != TET_NONE && r->ring[edge] != edge && fan_is_sharp(r, h, a, b)) r->segment_sharp[r->seg_of[e]] |= 2;
+      }
+      edge = r->ring[edge];
+    } while (edge != start);
+  }
+}
+
+/* Fills segment_sharp, acute_end and n_sharp; creases are never sharp. */
+tet_status refine_find_sharp(refiner *r) {
+  r->segment_sharp = tet_calloc(r->ctx, r->out->n_segments, 1);
+  r->acute_end = tet_calloc(r->ctx, r->points.n, 1);
+  if (!r->segment_sharp || !r->acute_end) return TET_E_MEMORY;
+  tet_status status = plane_angles(r);
+  if (status) return status;
+  dihedral_angles(r);
+  for (uint32_t s = 0; s < r->out->n_segments; s++) r->n_sharp += r->segment_sharp[s] != 0;
+  return TET_OK;
+}

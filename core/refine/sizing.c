@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+/* sizing.c: the sizing function H_1 of (4.5) and the point accepting rule (4.1.4).
+ *
+ * lfs at the vertices of the CDT, by a tree of boxes over subfaces and
+ * subsegments, polytopes through the vertex excluded; Shepard's interpolation of
+ * the neighbours at new ones; never an exact lfs there. */
+#include "base/hilbert.h"
+#include "base/sort.h"
+#include "refine/refiner.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LEAF = 4 };
+
+/* Boxes in an implicit binary tree over elements in Hilbert order: node k has
+ * children 2k+1 and 2k+2; leaf i holds elements LEAF*i ... */
+typedef struct box_tree {
+  tet_keyed *element; /* value: subface, or n_subs + subsegment */
+  double (*box)[6];
+  uint32_t n, n_leaves, first_leaf;
+} box_tree;
+
+static void element_corners(const refiner *r, uint64_t id, uint32_t v[3]) {
+  if (id < r->n_subs) {
+    memcpy(v, r->sub_v + 3 * id, 3 * sizeof *v);
+  } else {
+    const uint32_t *s = r->seg_v + 2 * (id - r->n_subs);
+    v[0] = s[0];
+    v[1] = v[2] = s[1];
+  }
+}
+
+static void widen(double box[6], const double *low, const double *high) {
+  for (int i = 0; i < 3; i++) {
+    if (low[i] < box[i]) box[i] = low[i];
+    if (high[i] > box[3 + i]) box[3 + i] = high[i];
+  }
+}
+
+static tet_status build_tree(refiner *r, box_tree *tree) {
+  uint32_t n = r->n_subs + r->n_segs, leaves = 1;
+  while (leaves * LEAF < n) leaves *= 2;
+  tree->n = n;
+  tree->n_leaves = leaves;
+  tree->first_leaf = leaves - 1;
+  tree->element = tet_alloc(r->ctx, n, sizeof *tree->element);
+  tree->box = tet_alloc(r->ctx, 2 * (size_t)leaves, sizeof *tree->box);
+  if (!tree->element || !tree->box) return TET_E_MEMORY;
+  tet_hilbert_box bound = tet_hilbert_bound(r->points.x, r->n_first);
+  for (uint32_t i = 0; i < n; i++) {
+    uint32_t v[3];
+    double c[3];
+    element_corners(r, i, v);
+    for (int k = 0; k < 3; k++) c[k] = (refine_x(r, v[0])[k] + refine_x(r, v[1])[k] + refine_x(r, v[2])[k]) / 3;
+    tree->element[i] = (tet_keyed){tet_hilbert_key(&bound, c), i};
+  }
+  tet_sort_keyed(tree->element, n);
+  for (uint32_t k = 0; k < 2 * leaves; k++)
+    for (int i = 0; i < 3; i++) tree->box[k][i] = INFINITY, tree->box[k][3 + i] = -INFINITY;
+  for (uint32_t i = 0; i < n; i++) {
+    uint32_t v[3];
+    element_corners(r, tree->element[i].value, v);
+    for (int j = 0; j < 3; j++)
+      widen(tree->box[tree->first_leaf + i / LEAF], refine_x(r, v[j]), refine_x(r, v[j]));
+  }
+  for (uint32_t k = tree->first_leaf; k-- > 0;)
+    for (uint32_t c = 2 * k + 1; c <= 2 * k + 2; c++) widen(tree->box[k], tree->box[c], tree->box[c] + 3);
+  return TET_OK;
+}
+
+static double box_distance2(const double box[6], const double *x) {
+  double sum = 0;
+  for (int i = 0; i < 3; i++) {
+    double d = x[i] < box[i] ? box[i] - x[i] : x[i] > box[3 + i] ? x[i] - box[3 + i] : 0;
+    sum += d * d;
+  }
+  return sum;
+}
+
+static double edge_distance2(const double *a, const double *b, const double *x) {
+  double e2 = 0, ex = 0, sum = 0;
+  for (int i = 0; i < 3; i++) {
+    e2 += (b[i] - a[i]) * (b[i] - a[i]);
+    ex += (b[i] - a[i]) * (x[i] - a[i]);
+  }
+  double t = e2 > 0 ? ex / e2 : 0;
+  t = t < 0 ? 0 : t > 1 ? 1 : t;
+  for (int i = 0; i < 3; i++) {
+    double d = x[i] - a[i] - t * (b[i] - a[i]);
+    sum += d * d;
+  }
+  return sum;
+}
+
+/* Squared distance of x from a triangle: its plane if x is above it, else edges. */
+static double triangle_distance2(const double *a, const double *b, const double *c, const double *x) {
+  const double *corner[3] = {a, b, c};
+  double n[3], n2 = 0, height = 0;
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3, k = (i + 2) % 3;
+    n[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
+    n2 += n[i] * n[i];
+  }
+  int above = n2 > 0;
+  for (int s = 0; s < 3 && above; s++) {
+    const double *p = corner[s], *q = corner[(s + 1) % 3];
+    double side = 0;
+    for (int i = 0; i < 3; i++) {
+      int j = (i + 1) % 3, k = (i + 2) % 3;
+      side += n[i] * ((q[j] - p[j]) * (x[k] - p[k]) - (q[k] - p[k]) * (x[j] - p[j]));
+    }
+    above = side >= 0;
+  }
+  if (above) {
+    for (int i = 0; i < 3; i++) height += n[i] * (x[i] - a[i]);
+    return height * height / n2;
+  }
+  double least = INFINITY;
+  for (int s = 0; s < 3; s++) {
+    double d = edge_distance2(corner[s], corner[(s + 1) % 3], x);
+    if (d < least) least = d;
+  }
+  return least;
+}
+
+static int meets(const refiner *r, uint32_t v, uint64_t element) {
+  if (element < r->n_subs) return refine_on_facet(r, v, r->patch[r->sub_patch[element]].facet);
+  return refine_on_segment(r, v, r->seg_of[element - r->n_subs]);
+}
+
+/* The least squared distance, below `least`, of vertex v from an element that
+ * does not meet it. */
+static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, double least) {
+  uint32_t stack[96], n = 0;
+  const double *x = refine_x(r, v);
+  stack[n++] = 0;
+  while (n) {
+    uint32_t k = stack[--n];
+    if (!(box_distance2(tree->box[k], x) < least)) continue;
+    if (k < tree->first_leaf) {
+      double left = box_distance2(tree->box[2 * k + 1], x), right = box_distance2(tree->box[2 * k + 2], x);
+      stack[n++] = left < right ? 2 * k + 2 : 2 * k + 1; /* the nearer one comes off first */
+      stack[n++] = left < right ? 2 * k + 1 : 2 * k + 2;
+      continue;
+    }
+    uint32_t from = (k - tree->first_leaf) * LEAF;
+    for (uint32_t i = from; i < from + LEAF && i < tree->n; i++) {
+      uint64_t id = tree->element[i].value;
+      uint32_t w[3];
+      element_corners(r, id, w);
+      double d = id < r->n_subs ? triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x)
+                                : edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
+      if (d < least && !meets(r, v, id)) least = d;
+    }
+  }
+  return least;
+}
+
+/* Squared length of the shortest edge at each vertex: the nearest visible vertex. */
+static void shortest_edges2(refiner *r) {
+  for (uint32_t v = 0; v < r->n_first; v++) r->size[v] = INFINITY;
+  for (uint32_t t = 0; t < r->n_tets; t++)
+    for (int e = 0; e < 6; e++) {
+      uint32_t a = r->tet_v[4 * (size_t)t + refine_edge[e][0]], b = r->tet_v[4 * (size_t)t + refine_edge[e][1]];
+      const double *x = refine_x(r, a), *y = refine_x(r, b);
+      double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
+      if (d < r->size[a]) r->size[a] = d;
+      if (d < r->size[b]) r->size[b] = d;
+    }
+}
+
+/* Sets H_1 at the vertices of the CDT: lfs. */
+tet_status refine_lfs(refiner *r) {
+  box_tree tree = {0};
+  tet_status status = build_tree(r, &tree);
+  shortest_edges2(r);
+  for (uint32_t v = 0; v < r->n_first && !status; v++) {
+    if (r->size[v] < INFINITY) r->size[v] = sqrt(nearest2(r, &tree, v, r->size[v]));
+    else r->size[v] = 0;
+    if ((v & 63) == 0) status = tet_poll(r->ctx);
+  }
+  for (uint32_t e = 0; e < r->n_segs; e++)
+    if (r->segment_sharp[r->seg_of[e]] & 2)
+      for (int i = 0; i < 2; i++) {
+        uint32_t v = r->seg_v[2 * (size_t)e + i];
+        r->sharp_size[v] = r->size[v];
+      }
+  tet_free(r->ctx, tree.element);
+  tet_free(r->ctx, tree.box);
+  return status;
+}
+
+/* H_1 at the new vertex p (4.5), by Shepard's interpolation. */
+void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours, double *ret_size,
+                    double *ret_sharp) {
+  double sum = 0, size = 0, sharp = 0;
+  const double *x = refine_x(r, p);
+  for (uint32_t i = 0; i < neighbours->n; i++) {
+    uint32_t v = neighbours->at[i];
+    const double *y = refine_x(r, v);
+    double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
+    sum += 1 / d;
+    size += r->size[v] / d;
+    sharp += r->sharp_size[v] / d;
+  }
+  *ret_size = sum > 0 ? size / sum : 0;
+  *ret_sharp = sum > 0 ? sharp / sum : 0;
+}
+
+/* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
+ * `vertices`. What existing vertices force (R1* (2), 3.4.1) is protected from
+ * near sharp dihedral angles alone, and elsewhere by the floor. */
+int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, refine_cause cause) {
+  const double *x = refine_x(r, p);
+  for (uint32_t i = 0; i < n; i++) {
+    uint32_t v = vertices[i];
+    const double *y = refine_x(r, v);
+    double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
+    double ball = r->o.floor * r->size[v];
+    double sharp = r->o.alpha2 * (cause == CAUSE_CENTRE && r->n_sharp ? r->size[v] : r->sharp_size[v]);
+    if (sharp > ball) ball = sharp;
+    if (d <= ball * ball) return 0;
+  }
+  return 1;
+}

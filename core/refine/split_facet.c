@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+/* split_facet.c: rule R2. The candidate is the centre of the subface's diametric
+ * ball; one that encroaches upon subsegments, or lies beyond one, has that split
+ * instead. */
+#include "refine/refiner.h"
+
+#include <string.h>
+
+/* The circumcentre of subface s, put back into its patch's plane. */
+static int centre_of(const refiner *r, uint32_t s, double c[3]) {
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
+  const double *o = refine_x(r, v[0]);
+  double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0, off = 0;
+  for (int i = 0; i < 3; i++) {
+    p[i] = refine_x(r, v[1])[i] - o[i];
+    q[i] = refine_x(r, v[2])[i] - o[i];
+    pp += p[i] * p[i];
+    qq += q[i] * q[i];
+  }
+  for (int i = 0; i < 3; i++) {
+    n[i] = p[(i + 1) % 3] * q[(i + 2) % 3] - p[(i + 2) % 3] * q[(i + 1) % 3];
+    nn += n[i] * n[i];
+  }
+  if (!(nn > 0)) return 0;
+  double w[3];
+  for (int i = 0; i < 3; i++) w[i] = pp * q[i] - qq * p[i];
+  for (int i = 0; i < 3; i++)
+    c[i] = o[i] + (w[(i + 1) % 3] * n[(i + 2) % 3] - w[(i + 2) % 3] * n[(i + 1) % 3]) / (2 * nn);
+  const refine_patch *plane = &r->patch[r->sub_patch[s]];
+  for (int i = 0; i < 3; i++) off += (c[i] - plane->origin[i]) * plane->normal[i];
+  for (int i = 0; i < 3; i++) c[i] -= off * plane->normal[i];
+  return 1;
+}
+
+/* Walks in the patch from s to the subface that holds vertex p; *ret_seg is the
+ * subsegment in the way, if any. 0 if the walk does not end. */
+static int walk(const refiner *r, uint32_t s, uint32_t p, uint32_t *ret_sub, uint32_t *ret_seg) {
+  int axis = r->patch[r->sub_patch[s]].axis;
+  uint32_t from = TET_NONE;
+  *ret_seg = TET_NONE;
+  for (int steps = 0; steps < 10000; steps++) {
+    uint32_t out = TET_NONE;
+    for (uint32_t h = 3 * s; h < 3 * s + 3; h++) {
+      if (h == from) continue;
+      if (tet_orient2d(&r->points, axis, r->sub_v[h], r->sub_v[3 * s + (h + 1) % 3], p) < 0) {
+        out = h;
+        if (r->sub_seg[h] == TET_NONE) break;
+      }
+    }
+    *ret_sub = s;
+    if (out == TET_NONE) return 1;
+    if (r->sub_seg[out] != TET_NONE) {
+      *ret_seg = r->sub_seg[out];
+      return 1;
+    }
+    from = r->ring[out];
+    s = from / 3;
+  }
+  return 0;
+}
+
+/* R1 on the first of the subsegments hit that can be split. */
+static tet_status split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret) {
+  *ret = OUTCOME_REJECTED;
+  tet_status status = TET_OK;
+  for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED; k++)
+    status = refine_split_seg(r, r->hit_segs.at[k], cause, ret);
+  return status;
+}
+
+/* Inserts the last point, which subface `at` holds, for subface s. */
+static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause cause, refine_outcome *ret) {
+  uint32_t p = r->points.n - 1;
+  refine_cavity *c = &r->cavity;
+  tet_status status = refine_cavity_of_sub(r, p, at);
+  if (!status) status = refine_collect_hits(r, 0);
+  if (status) return status;
+  int ok = 0;
+  if (!r->hit_segs.n) {
+    uint32_t now = ++r->stamp_now;
+    c->vertices.n = 0;
+    for (uint32_t k = 0; k < 3 * c->subs.n && !status; k++) {
+      uint32_t v = r->sub_v[3 * (size_t)c->subs.at[k / 3] + k % 3];
+      if (r->stamp[v] == now) continue;
+      r->stamp[v] = now;
+      status = refine_push(r, &c->vertices, v);
+    }
+    if (status) return status;
+    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, cause)) {
+      r->result.rejected.protected_ball++;
+    } else if (!(r->sub_mark[s] & 1)) {
+      r->result.rejected.lost_subface++;
+    } else {
+      status = refine_insert(r, &ok);
+      if (!ok) r->result.rejected.lost_subface++;
+    }
+  }
+  if (status) return status;
+  if (ok) {
+    r->result.facet_points++;
+    *ret = OUTCOME_INSERTED;
+    return TET_OK;
+  }
+  refine_cavity_clear(r);
+  refine_drop_point(r);
+  return r->hit_segs.n ? split_hit_segs(r, cause, ret) : TET_OK;
+}
+
+tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret) {
+  double x[3];
+  uint32_t at, seg, old[3];
+  *ret = OUTCOME_REJECTED;
+  if (!centre_of(r, s, x)) return TET_OK;
+  memcpy(old, r->sub_v + 3 * (size_t)s, sizeof old);
+  tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, r->patch[r->sub_patch[s]].facet);
+  if (status) return status;
+  int found = walk(r, s, r->points.n - 1, &at, &seg);
+  if (found && seg == TET_NONE) {
+    status = try_centre(r, s, at, cause, ret);
+  } else {
+    refine_drop_point(r);
+    if (found) status = refine_split_seg(r, seg, cause, ret);
+  }
+  if (status || *ret != OUTCOME_INSERTED || cause != CAUSE_VERTEX) return status;
+  /* a subsegment was split instead: the subface may still be encroached */
+  if (memcmp(old, r->sub_v + 3 * (size_t)s, sizeof old) == 0) return refine_queue_sub(r, s);
+  return TET_OK;
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+/* split_tet.c: rule R3. The candidate is the circumcentre; one that encroaches
+ * upon subsegments or subfaces, or lies beyond a subface, has one of those split
+ * instead, subsegments first. */
+#include "refine/refiner.h"
+
+#include <string.h>
+
+/* Splits the first that can be of what the candidate hit. */
+static tet_status split_hits(refiner *r, refine_outcome *ret) {
+  tet_status status = TET_OK;
+  *ret = OUTCOME_REJECTED;
+  for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED; k++)
+    status = refine_split_seg(r, r->hit_segs.at[k], CAUSE_CENTRE, ret);
+  for (uint32_t k = 0; k < r->hit_subs.n && !status && *ret != OUTCOME_INSERTED; k++)
+    status = refine_split_sub(r, r->hit_subs.at[k], CAUSE_CENTRE, ret);
+  return status;
+}
+
+/* Inserts the last point for tetrahedron t. */
+static tet_status try_centre(refiner *r, uint32_t t, refine_outcome *ret) {
+  uint32_t p = r->points.n - 1;
+  refine_cavity *c = &r->cavity;
+  tet_status status = refine_cavity_of_tet(r, p, t);
+  if (!status) status = refine_collect_hits(r, 1);
+  if (status) return status;
+  int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
+  if (!hit) {
+    uint32_t now = ++r->stamp_now;
+    c->vertices.n = 0;
+    for (uint32_t k = 0; k < 4 * c->tets.n && !status; k++) {
+      uint32_t v = r->tet_v[4 * (size_t)c->tets.at[k / 4] + k % 4];
+      if (r->stamp[v] == now) continue;
+      r->stamp[v] = now;
+      status = refine_push(r, &c->vertices, v);
+    }
+    if (status) return status;
+    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, CAUSE_CENTRE)) {
+      r->result.rejected.protected_ball++;
+    } else {
+      status = refine_insert(r, &ok);
+      if (!ok) r->result.rejected.lost_subface++;
+    }
+  }
+  if (status) return status;
+  if (ok) {
+    r->result.volume_points++;
+    *ret = OUTCOME_INSERTED;
+    return TET_OK;
+  }
+  refine_cavity_clear(r);
+  refine_drop_point(r);
+  return hit ? split_hits(r, ret) : TET_OK;
+}
+
+tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
+  refine_shape shape;
+  uint32_t old[4];
+  memcpy(old, r->tet_v + 4 * (size_t)t, sizeof old);
+  refine_measure(r, t, &shape);
+  *ret = OUTCOME_REJECTED;
+  tet_status status = refine_add_point(r, shape.centre, TET_ORIGIN_VOLUME, TET_NONE);
+  if (status) return status;
+  /* the circumcentre of a near-flat tetrahedron is noise unless it is inside */
+  if (tet_insphere_sos(&r->points, old[0], old[1], old[2], old[3], r->points.n - 1) <= 0) {
+    refine_drop_point(r);
+    r->result.rejected.outside++;
+    return TET_OK;
+  }
+  status = try_centre(r, t, ret);
+  if (status || *ret != OUTCOME_INSERTED) return status;
+  if (memcmp(old, r->tet_v + 4 * (size_t)t, sizeof old) == 0) return refine_queue_tet(r, t);
+  return TET_OK;
+}

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+/* store.c: slots of tetrahedra, subfaces, subsegments and points, and the way
+ * back into pieces. Freed slots are chained and used again; no geometry here. */
+#include "refine/refiner.h"
+
+#include <string.h>
+
+const uint8_t refine_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+const uint8_t refine_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+const uint8_t refine_edge_of[4][4] = {{9, 0, 1, 2}, {0, 9, 3, 4}, {1, 3, 9, 5}, {2, 4, 5, 9}};
+
+tet_status refine_push(refiner *r, refine_list *list, uint32_t value) {
+  if (list->n == list->cap) {
+    tet_status status = tet_grow(r->ctx, &list->at, &list->cap, (size_t)list->n + 1, sizeof *list->at);
+    if (status) return status;
+  }
+  list->at[list->n++] = value;
+  return TET_OK;
+}
+
+static tet_status grow_tets(refiner *r, size_t n) {
+  tet_status status = tet_grow(r->ctx, &r->tet_v, &r->cap_tet_v, 4 * n, sizeof *r->tet_v);
+  if (!status) status = tet_grow(r->ctx, &r->tet_adj, &r->cap_tet_adj, 4 * n, sizeof *r->tet_adj);
+  if (!status) status = tet_grow(r->ctx, &r->tet_sub, &r->cap_tet_sub, 4 * n, sizeof *r->tet_sub);
+  if (!status) status = tet_grow(r->ctx, &r->tet_region, &r->cap_tet_region, n, sizeof *r->tet_region);
+  if (!status) status = tet_grow(r->ctx, &r->tet_edges, &r->cap_tet_edges, n, 1);
+  if (!status) status = tet_grow(r->ctx, &r->tet_mark, &r->cap_tet_mark, n, 1);
+  return status;
+}
+
+tet_status refine_new_tet(refiner *r, uint32_t *ret_tet) {
+  uint32_t t = r->free_tet;
+  if (t != TET_NONE) {
+    r->free_tet = r->tet_adj[4 * (size_t)t];
+    r->n_free_tets--;
+  } else {
+    if (r->n_tets >= ((uint32_t)1 << 30) - 1)
+      return tet_fail(r->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
+    tet_status status = grow_tets(r, (size_t)r->n_tets + 1);
+    if (status) return status;
+    t = r->n_tets++;
+  }
+  for (int i = 0; i < 4; i++) r->tet_sub[4 * (size_t)t + i] = r->tet_adj[4 * (size_t)t + i] = TET_NONE;
+  r->tet_edges[t] = r->tet_mark[t] = 0;
+  *ret_tet = t;
+  return TET_OK;
+}
+
+void refine_free_tet(refiner *r, uint32_t t) {
+  r->tet_v[4 * (size_t)t] = TET_NONE;
+  r->tet_adj[4 * (size_t)t] = r->free_tet;
+  r->tet_mark[t] = 0;
+  r->free_tet = t;
+  r->n_free_tets++;
+}
+
+tet_status refine_new_sub(refiner *r, uint32_t *ret_sub) {
+  uint32_t s = r->free_sub;
+  if (s != TET_NONE) {
+    r->free_sub = r->sub_v[3 * (size_t)s + 1];
+  } else {
+    size_t n = (size_t)r->n_subs + 1;
+    tet_status status = tet_grow(r->ctx, &r->sub_v, &r->cap_sub_v, 3 * n, sizeof *r->sub_v);
+    if (!status) status = tet_grow(r->ctx, &r->sub_side, &r->cap_sub_side, 2 * n, sizeof *r->sub_side);
+    if (!status) status = tet_grow(r->ctx, &r->sub_seg, &r->cap_sub_seg, 3 * n, sizeof *r->sub_seg);
+    if (!status) status = tet_grow(r->ctx, &r->ring, &r->cap_ring, 3 * n, sizeof *r->ring);
+    if (!status) status = tet_grow(r->ctx, &r->sub_patch, &r->cap_sub_patch, n, sizeof *r->sub_patch);
+    if (!status) status = tet_grow(r->ctx, &r->sub_mark, &r->cap_sub_mark, n, 1);
+    if (status) return status;
+    s = r->n_subs++;
+  }
+  r->sub_mark[s] = 0;
+  r->sub_side[2 * (size_t)s] = r->sub_side[2 * (size_t)s + 1] = TET_NONE;
+  for (int j = 0; j < 3; j++) {
+    r->sub_seg[3 * (size_t)s + j] = TET_NONE;
+    r->ring[3 * (size_t)s + j] = 3 * s + (uint32_t)j;
+  }
+  *ret_sub = s;
+  return TET_OK;
+}
+
+void refine_free_sub(refiner *r, uint32_t s) {
+  r->sub_v[3 * (size_t)s] = TET_NONE;
+  r->sub_v[3 * (size_t)s + 1] = r->free_sub;
+  r->sub_mark[s] = 0;
+  r->free_sub = s;
+}
+
+tet_status refine_new_seg(refiner *r, uint32_t *ret_seg) {
+  size_t n = (size_t)r->n_segs + 1;
+  tet_status status = tet_grow(r->ctx, &r->seg_v, &r->cap_seg_v, 2 * n, sizeof *r->seg_v);
+  if (!status) status = tet_grow(r->ctx, &r->seg_of, &r->cap_seg_of, n, sizeof *r->seg_of);
+  if (!status) status = tet_grow(r->ctx, &r->seg_sub, &r->cap_seg_sub, n, sizeof *r->seg_sub);
+  if (!status) status = tet_grow(r->ctx, &r->seg_tet, &r->cap_seg_tet, n, sizeof *r->seg_tet);
+  if (!status) status = tet_grow(r->ctx, &r->seg_waiting, &r->cap_seg_waiting, n, 1);
+  if (status) return status;
+  uint32_t e = r->n_segs++;
+  r->seg_sub[e] = r->seg_tet[e] = TET_NONE;
+  r->seg_waiting[e] = 0;
+  *ret_seg = e;
+  return TET_OK;
+}
+
+/* Appends a candidate, the vertex that the predicates see until it is dropped. */
+tet_status refine_add_point(refiner *r, const double x[3], tet_origin origin, uint32_t carrier) {
+  size_t n = (size_t)r->points.n + 1;
+  tet_pieces *p = r->out;
+  if (n > tet_vertex_limit(r->ctx))
+    return tet_fail(r->ctx, TET_E_VERTEX_LIMIT, "the limit of %llu vertices",
+                    (unsigned long long)tet_vertex_limit(r->ctx));
+  tet_status status = tet_grow(r->ctx, &p->points, &r->cap_x, 3 * n, sizeof *p->points);
+  if (!status) status = tet_grow(r->ctx, &p->origin, &r->cap_origin, n, sizeof *p->origin);
+  if (!status) status = tet_grow(r->ctx, &p->carrier, &r->cap_carrier, n, sizeof *p->carrier);
+  if (!status) status = tet_grow(r->ctx, &r->size, &r->cap_size, n, sizeof *r->size);
+  if (!status) status = tet_grow(r->ctx, &r->sharp_size, &r->cap_sharp_size, n, sizeof *r->sharp_size);
+  if (!status) status = tet_grow(r->ctx, &r->stamp, &r->cap_stamp, n, sizeof *r->stamp);
+  if (status) return status;
+  memcpy(p->points + 3 * (n - 1), x, 3 * sizeof *x);
+  p->origin[n - 1] = (uint8_t)origin;
+  p->carrier[n - 1] = carrier;
+  r->stamp[n - 1] = 0;
+  r->size[n - 1] = r->sharp_size[n - 1] = 0;
+  r->points.x = p->points;
+  r->points.n = (uint32_t)n;
+  p->n_points = (uint32_t)n;
+  return TET_OK;
+}
+
+void refine_drop_point(refiner *r) { r->out->n_points = --r->points.n; }
+
+/* Moves live tetrahedra to the front, in order; map[old] = new. */
+static void pack_tets(refiner *r, uint32_t *map) {
+  uint32_t n = 0;
+  for (uint32_t t = 0; t < r->n_tets; t++) map[t] = refine_alive(r, t) ? n++ : TET_NONE;
+  for (uint32_t t = 0; t < r->n_tets; t++) {
+    if (map[t] == TET_NONE) continue;
+    size_t to = map[t];
+    for (size_t i = 0; i < 4; i++) {
+      uint32_t h = r->tet_adj[4 * (size_t)t + i];
+      r->tet_v[4 * to + i] = r->tet_v[4 * (size_t)t + i];
+      r->tet_sub[4 * to + i] = r->tet_sub[4 * (size_t)t + i];
+      r->tet_adj[4 * to + i] = h == TET_NONE ? h : 4 * map[h >> 2] + (h & 3);
+    }
+    r->tet_region[to] = r->tet_region[t];
+    r->tet_edges[to] = r->tet_edges[t];
+  }
+  r->n_tets = n;
+  r->n_free_tets = 0;
+  r->free_tet = TET_NONE;
+}
+
+/* Packs everything back into the pieces, which own the arrays again. */
+tet_status refine_unload(refiner *r) {
+  tet_pieces *p = r->out;
+  uint32_t *map = tet_alloc(r->ctx, r->n_tets, sizeof *map);
+  uint32_t *facet = tet_alloc(r->ctx, r->n_subs, sizeof *facet);
+  if (!map || !facet) {
+    tet_free(r->ctx, map);
+    tet_free(r->ctx, facet);
+    return TET_E_MEMORY;
+  }
+  pack_tets(r, map);
+  tet_free(r->ctx, map);
+  uint32_t n = 0;
+  for (uint32_t s = 0; s < r->n_subs; s++) {
+    if (r->sub_v[3 * (size_t)s] == TET_NONE) continue;
+    memmove(r->sub_v + 3 * (size_t)n, r->sub_v + 3 * (size_t)s, 3 * sizeof *r->sub_v);
+    facet[n++] = r->patch[r->sub_patch[s]].facet;
+  }
+  p->n_subfaces = n;
+  p->subface = r->sub_v;
+  p->subface_facet = facet;
+  p->n_tets = r->n_tets;
+  p->tets = r->tet_v;
+  p->adj = r->tet_adj;
+  p->region = r->tet_region;
+  p->n_subsegs = r->n_segs;
+  p->subseg = r->seg_v;
+  p->subseg_segment = r->seg_of;
+  p->cap_points = p->cap_origin = p->cap_carrier = p->n_points;
+  r->sub_v = r->tet_v = r->tet_adj = r->tet_region = r->seg_v = r->seg_of = NULL;
+  return TET_OK;
+}
+
+/* Frees what the refiner still owns. */
+void refine_release(refiner *r) {
+  refine_cavity *c = &r->cavity;
+  void *all[] = {r->size, r->sharp_size, r->stamp, r->tet_v, r->tet_adj, r->tet_sub, r->tet_region,
+                 r->tet_edges, r->tet_mark, r->sub_v, r->sub_side, r->sub_seg, r->ring, r->sub_patch,
+                 r->sub_mark, r->patch, r->seg_v, r->seg_of, r->seg_sub, r->seg_tet, r->seg_waiting,
+                 r->seg_table, r->segment_sharp, r->acute_end, r->vertex_facet_start, r->vertex_facet,
+                 r->segment_facet_start, r->segment_facet, c->tets.at, c->touched.at, c->subs.at,
+                 c->rim.at, c->rim_new.at, c->faces.at, c->faces_new.at, c->vertices.at,
+                 r->hit_segs.at, r->hit_subs.at, r->suspects.at, r->seg_queue, r->sub_queue, r->heap};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
+}
