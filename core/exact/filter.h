@@ -54,10 +54,12 @@ static inline double tet_orient3d_value(const double *d) {
          d[8] * (d[0] * d[4] - d[1] * d[3]);
 }
 
-/* The majorants take absolute differences. */
+/* The majorants share the inner products with the values: |x y| = |x| |y|, rounded or
+ * not, so the compiler forms them once. */
 static inline double tet_orient3d_majorant(const double *d) {
-  return d[2] * (d[3] * d[7] + d[4] * d[6]) + d[5] * (d[0] * d[7] + d[1] * d[6]) +
-         d[8] * (d[0] * d[4] + d[1] * d[3]);
+  return fabs(d[2]) * (fabs(d[3] * d[7]) + fabs(d[4] * d[6])) +
+         fabs(d[5]) * (fabs(d[0] * d[7]) + fabs(d[1] * d[6])) +
+         fabs(d[8]) * (fabs(d[0] * d[4]) + fabs(d[1] * d[3]));
 }
 
 static inline double tet_square(const double *d) {
@@ -78,13 +80,17 @@ static inline double tet_insphere_value(const double *d) {
 }
 
 static inline double tet_insphere_majorant(const double *d) {
-  double m01 = d[0] * d[4] + d[1] * d[3], m02 = d[0] * d[7] + d[1] * d[6];
-  double m03 = d[0] * d[10] + d[1] * d[9], m12 = d[3] * d[7] + d[4] * d[6];
-  double m13 = d[3] * d[10] + d[4] * d[9], m23 = d[6] * d[10] + d[7] * d[9];
-  double d0 = d[5] * m23 + d[8] * m13 + d[11] * m12;
-  double d1 = d[2] * m23 + d[8] * m03 + d[11] * m02;
-  double d2 = d[2] * m13 + d[5] * m03 + d[11] * m01;
-  double d3 = d[2] * m12 + d[5] * m02 + d[8] * m01;
+  double m01 = fabs(d[0] * d[4]) + fabs(d[1] * d[3]);
+  double m02 = fabs(d[0] * d[7]) + fabs(d[1] * d[6]);
+  double m03 = fabs(d[0] * d[10]) + fabs(d[1] * d[9]);
+  double m12 = fabs(d[3] * d[7]) + fabs(d[4] * d[6]);
+  double m13 = fabs(d[3] * d[10]) + fabs(d[4] * d[9]);
+  double m23 = fabs(d[6] * d[10]) + fabs(d[7] * d[9]);
+  double z0 = fabs(d[2]), z1 = fabs(d[5]), z2 = fabs(d[8]), z3 = fabs(d[11]);
+  double d0 = z1 * m23 + z2 * m13 + z3 * m12;
+  double d1 = z0 * m23 + z2 * m03 + z3 * m02;
+  double d2 = z0 * m13 + z1 * m03 + z3 * m01;
+  double d3 = z0 * m12 + z1 * m02 + z2 * m01;
   return (tet_square(d) * d0 + tet_square(d + 3) * d1) +
          (tet_square(d + 6) * d2 + tet_square(d + 9) * d3);
 }
@@ -92,14 +98,20 @@ static inline double tet_insphere_majorant(const double *d) {
 static inline double tet_orient2d_value(const double *d) { return d[0] * d[3] - d[1] * d[2]; }
 
 static inline double tet_orient2d_majorant(const double *d) {
-  return d[0] * d[3] + d[1] * d[2];
+  return fabs(d[0] * d[3]) + fabs(d[1] * d[2]);
 }
 
 static inline double tet_dot3(const double *a, const double *b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static inline double tet_dot3_majorant(const double *a, const double *b) {
+  return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
+}
+
 static inline double tet_dot_value(const double *d) { return tet_dot3(d, d + 3); }
+
+static inline double tet_dot_majorant(const double *d) { return tet_dot3_majorant(d, d + 3); }
 
 static inline double tet_compare_distance_value(const double *d) {
   return tet_square(d) - tet_square(d + 3);
@@ -118,7 +130,8 @@ static inline double tet_ball3_value(const double *d) {
 
 static inline double tet_ball3_majorant(const double *d) {
   double uu = tet_square(d), vv = tet_square(d + 3), ww = tet_square(d + 6);
-  double uv = tet_dot3(d, d + 3), uw = tet_dot3(d, d + 6), vw = tet_dot3(d + 3, d + 6);
+  double uv = tet_dot3_majorant(d, d + 3), uw = tet_dot3_majorant(d, d + 6);
+  double vw = tet_dot3_majorant(d + 3, d + 6);
   return uu * (vv * uw + uv * vw) + vv * (uu * vw + uv * uw) + ww * (uu * vv + uv * uv);
 }
 
@@ -133,20 +146,17 @@ static inline __attribute__((always_inline)) int tet_filter(tet_polynomial value
                                                             const double *d, const double *r,
                                                             int n, int k,
                                                             double square_limit) {
-  double big[12] = {0}, bound, least;
-  for (int i = 0; i < n; i++) big[i] = fabs(d[i]);
-  least = majorant(big);
-  bound = TET_FILTER_EXPLICIT(k) * least;
+  double least = majorant(d), bound = TET_FILTER_EXPLICIT(k) * least, squares = 0;
   if (r) {
-    for (int i = 0; i < n; i++) big[i] += r[i];
+    double big[12] = {0};
+    for (int i = 0; i < n; i++) big[i] = fabs(d[i]) + r[i];
     double moved = majorant(big);
     bound = (moved - least) + TET_FILTER_IMPLICIT(k) * moved;
+    for (int i = 0; i < n / 3; i++) squares += tet_square(big + 3 * i);
+  } else {
+    for (int i = 0; i < n / 3; i++) squares += tet_square(d + 3 * i);
   }
-  if (square_limit > 0) {
-    double squares = 0;
-    for (int i = 0; i < n; i++) squares += big[i] * big[i];
-    if (!(squares < square_limit)) return 0;
-  }
+  if (square_limit > 0 && !(squares < square_limit)) return 0;
   double p = value(d);
   if (!(least > TET_FILTER_LEAST)) return 0;
   return (p > bound) - (p < -bound);

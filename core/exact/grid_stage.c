@@ -3,9 +3,10 @@
 // with implicit points all of them are multiplied by 2^k, the common denominator of
 // the parameters t, and stay below 2^123 for k <= 63. So coordinates have one limb or
 // two, and every later width is known when compiling: for L limbs a coordinate, 2 L
-// for a minor, 3 L for an orient3d, 5 L for an insphere. Bits of these for L = 1
-// (2): differences 61 (124), minors 123 (249), squares 124 (250), determinants of
-// three rows 186 (375), of four 312 (627): below 64 times the limbs, with a sign.
+// for a minor or a dot product, 3 L for orient3d, 5 L for insphere, 6 L for the ball of
+// a triangle. Bits of these for L = 1 (2): differences 61 (124), minors 123 (249), dot
+// products 124 (250), determinants of three rows 186 (375), of four 312 (627), minors
+// of dot products 249 (501), the ball 375 (753): below 64 times the limbs, with a sign.
 #include "exact/grid_stage.h"
 
 #include <math.h>
@@ -14,7 +15,8 @@
 
 __extension__ typedef __int128 int128;
 
-enum { COORDINATE_BITS = 60, PARAMETER_BITS = 63, MOST_LIMBS = 10 };
+enum { COORDINATE_BITS = 60, PARAMETER_BITS = 63 };
+enum { MOST_LIMBS = 12, MOST_POINTS = 5, MOST_ROWS = 4 * 3 * 2 };
 
 /* Two's complement numbers, the lowest limb first. All widths are constants once
  * inlined. */
@@ -70,12 +72,28 @@ INLINE int sign_of(const uint64_t *a, int n) {
 
 /* Rows of three coordinates of L limbs. */
 
+/* m = a b - c d of L limbs each, 2 L limbs. */
+INLINE void difference(uint64_t *m, const uint64_t *a, const uint64_t *b, const uint64_t *c,
+                       const uint64_t *d, int L) {
+  uint64_t t[MOST_LIMBS];
+  multiply(m, a, L, b, L);
+  multiply(t, c, L, d, L);
+  subtract(m, t, 2 * L);
+}
+
 /* m = a[0] b[1] - a[1] b[0], 2 L limbs. */
 INLINE void minor(uint64_t *m, const uint64_t *a, const uint64_t *b, int L) {
+  difference(m, a, b + L, a + L, b, L);
+}
+
+/* a . b, 2 L limbs. */
+INLINE void dot(uint64_t *sum, const uint64_t *a, const uint64_t *b, int L) {
   uint64_t t[MOST_LIMBS];
-  multiply(m, a, L, b + L, L);
-  multiply(t, a + L, L, b, L);
-  subtract(m, t, 2 * L);
+  multiply(sum, a, L, b, L);
+  for (int k = 1; k < 3; k++) {
+    multiply(t, a + k * L, L, b + k * L, L);
+    add(sum, t, 2 * L);
+  }
 }
 
 /* det(a, b, c), 3 L limbs, from the minors. */
@@ -91,12 +109,8 @@ INLINE void determinant(uint64_t *det, const uint64_t *a, const uint64_t *b, con
 
 /* |a|^2 det, 5 L limbs. */
 INLINE void lifted(uint64_t *out, const uint64_t *a, const uint64_t *det, int L) {
-  uint64_t square[MOST_LIMBS], t[MOST_LIMBS];
-  multiply(square, a, L, a, L);
-  for (int k = 1; k < 3; k++) {
-    multiply(t, a + k * L, L, a + k * L, L);
-    add(square, t, 2 * L);
-  }
+  uint64_t square[MOST_LIMBS];
+  dot(square, a, a, L);
   multiply(out, square, 2 * L, det, 3 * L);
 }
 
@@ -132,6 +146,51 @@ INLINE int insphere(const uint64_t *r, int L) {
   lifted(t, d, det, L);
   subtract(sum, t, 5 * L);
   return sign_of(sum, 5 * L);
+}
+
+INLINE int orient2d(const uint64_t *r, int axis, int L) {
+  const uint64_t *a = r, *b = r + 3 * L;
+  int i = (axis + 1) % 3 * L, j = (axis + 2) % 3 * L;
+  uint64_t det[MOST_LIMBS];
+  difference(det, a + i, b + j, a + j, b + i, L);
+  return sign_of(det, 2 * L);
+}
+
+INLINE int dot_sign(const uint64_t *r, int L) {
+  uint64_t sum[MOST_LIMBS];
+  dot(sum, r, r + 3 * L, L);
+  return sign_of(sum, 2 * L);
+}
+
+INLINE int compare_distance(const uint64_t *r, int L) {
+  const uint64_t *a = r, *b = r + 3 * L;
+  uint64_t aa[MOST_LIMBS], bb[MOST_LIMBS];
+  dot(aa, a, a, L);
+  dot(bb, b, b, L);
+  subtract(aa, bb, 2 * L);
+  return sign_of(aa, 2 * L);
+}
+
+/* The polynomial is derived at tet_exact_diametric_ball3. */
+INLINE int diametric_ball3(const uint64_t *r, int L) {
+  const uint64_t *u = r, *v = r + 3 * L, *w = r + 6 * L;
+  uint64_t uu[MOST_LIMBS], vv[MOST_LIMBS], ww[MOST_LIMBS], uv[MOST_LIMBS], uw[MOST_LIMBS];
+  uint64_t vw[MOST_LIMBS], m[MOST_LIMBS], sum[MOST_LIMBS], t[MOST_LIMBS];
+  dot(uu, u, u, L);
+  dot(vv, v, v, L);
+  dot(ww, w, w, L);
+  dot(uv, u, v, L);
+  dot(uw, u, w, L);
+  dot(vw, v, w, L);
+  difference(m, vv, uw, uv, vw, 2 * L);
+  multiply(sum, uu, 2 * L, m, 4 * L);
+  difference(m, uu, vw, uv, uw, 2 * L);
+  multiply(t, vv, 2 * L, m, 4 * L);
+  add(sum, t, 6 * L);
+  difference(m, uu, vv, uv, uv, 2 * L);
+  multiply(t, ww, 2 * L, m, 4 * L);
+  subtract(sum, t, 6 * L);
+  return sign_of(sum, 6 * L);
 }
 
 /* From points to rows. */
@@ -194,10 +253,10 @@ INLINE int parameter_shift(const tet_point_ref *point, int count) {
   return most <= PARAMETER_BITS ? most : -1;
 }
 
-/* All points less `origin` (0, or the last) as rows of 64-bit numbers. */
+/* Integers of 64 bits from explicit points; 0 unless the grid holds them. */
 INLINE int explicit_rows(const tet_point_ref *point, int count, int origin, uint64_t *rows) {
   double scale = grid_scale(point, count);
-  int64_t q[5][3];
+  int64_t q[MOST_POINTS][3];
   int exact = scale != 0;
   for (int i = 0; i < count; i++) exact &= to_grid(point[i].a, scale, q[i]);
   if (!exact) return 0;
@@ -208,12 +267,12 @@ INLINE int explicit_rows(const tet_point_ref *point, int count, int origin, uint
   return 1;
 }
 
-/* The same with implicit points, as rows of 128-bit numbers. */
+/* Integers of 128 bits, of all points times 2^shift. */
 INLINE int implicit_rows(const tet_point_ref *point, int count, int origin, uint64_t *rows) {
   double scale = grid_scale(point, count);
   int shift = parameter_shift(point, count);
   if (scale == 0 || shift < 0) return 0;
-  int128 q[5][3];
+  int128 q[MOST_POINTS][3];
   for (int i = 0; i < count; i++) {
     int64_t a[3], b[3], t = 0;
     if (!to_grid(point[i].a, scale, a)) return 0;
@@ -237,33 +296,53 @@ INLINE int implicit_rows(const tet_point_ref *point, int count, int origin, uint
   return 1;
 }
 
-static int has_implicit(const tet_point_ref *point, int count) {
-  for (int i = 0; i < count; i++) {
-    if (point[i].b) return 1;
-  }
-  return 0;
+/* A row of differences for each point but the one at `origin`. Returns the limbs of a
+ * coordinate, 1 or 2; 0 for points that do not fit. */
+INLINE int make_rows(const tet_point_ref *point, int count, int origin, uint64_t *rows) {
+  int any_implicit = 0;
+  for (int i = 0; i < count; i++) any_implicit |= point[i].b != 0;
+  if (any_implicit) return implicit_rows(point, count, origin, rows) ? 2 : 0;
+  return explicit_rows(point, count, origin, rows) ? 1 : 0;
 }
 
 int tet_grid_orient3d(const tet_point_ref point[4], int *ret_sign) {
-  uint64_t rows[3 * 3 * 2];
-  if (!has_implicit(point, 4)) {
-    if (!explicit_rows(point, 4, 0, rows)) return 0;
-    *ret_sign = orient3d(rows, 1);
-    return 1;
-  }
-  if (!implicit_rows(point, 4, 0, rows)) return 0;
-  *ret_sign = orient3d(rows, 2);
-  return 1;
+  uint64_t rows[MOST_ROWS];
+  int limbs = make_rows(point, 4, 0, rows);
+  if (limbs) *ret_sign = limbs == 1 ? orient3d(rows, 1) : orient3d(rows, 2);
+  return limbs;
 }
 
 int tet_grid_insphere(const tet_point_ref point[5], int *ret_sign) {
-  uint64_t rows[4 * 3 * 2];
-  if (!has_implicit(point, 5)) {
-    if (!explicit_rows(point, 5, 4, rows)) return 0;
-    *ret_sign = insphere(rows, 1);
-    return 1;
-  }
-  if (!implicit_rows(point, 5, 4, rows)) return 0;
-  *ret_sign = insphere(rows, 2);
-  return 1;
+  uint64_t rows[MOST_ROWS];
+  int limbs = make_rows(point, 5, 4, rows);
+  if (limbs) *ret_sign = limbs == 1 ? insphere(rows, 1) : insphere(rows, 2);
+  return limbs;
+}
+
+int tet_grid_orient2d(int axis, const tet_point_ref point[3], int *ret_sign) {
+  uint64_t rows[MOST_ROWS];
+  int limbs = make_rows(point, 3, 0, rows);
+  if (limbs) *ret_sign = limbs == 1 ? orient2d(rows, axis, 1) : orient2d(rows, axis, 2);
+  return limbs;
+}
+
+int tet_grid_dot_sign(const tet_point_ref point[3], int *ret_sign) {
+  uint64_t rows[MOST_ROWS];
+  int limbs = make_rows(point, 3, 2, rows);
+  if (limbs) *ret_sign = limbs == 1 ? dot_sign(rows, 1) : dot_sign(rows, 2);
+  return limbs;
+}
+
+int tet_grid_compare_distance(const tet_point_ref point[3], int *ret_sign) {
+  uint64_t rows[MOST_ROWS];
+  int limbs = make_rows(point, 3, 0, rows);
+  if (limbs) *ret_sign = limbs == 1 ? compare_distance(rows, 1) : compare_distance(rows, 2);
+  return limbs;
+}
+
+int tet_grid_diametric_ball3(const tet_point_ref point[4], int *ret_sign) {
+  uint64_t rows[MOST_ROWS];
+  int limbs = make_rows(point, 4, 0, rows);
+  if (limbs) *ret_sign = limbs == 1 ? diametric_ball3(rows, 1) : diametric_ball3(rows, 2);
+  return limbs;
 }

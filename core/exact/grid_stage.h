@@ -10,10 +10,14 @@
 extern "C" {
 #endif
 
-/** As tet_exact_orient3d and tet_exact_insphere, into *ret_sign. Returns 0, with
- * *ret_sign untouched, for points that do not fit. */
+/* As the functions of exact_stage.h, with the sign in *ret_sign. They return 0, with
+ * *ret_sign untouched, for points that do not fit; else not 0. */
 int tet_grid_orient3d(const tet_point_ref point[4], int *ret_sign);
 int tet_grid_insphere(const tet_point_ref point[5], int *ret_sign);
+int tet_grid_orient2d(int axis, const tet_point_ref point[3], int *ret_sign);
+int tet_grid_dot_sign(const tet_point_ref point[3], int *ret_sign);
+int tet_grid_compare_distance(const tet_point_ref point[3], int *ret_sign);
+int tet_grid_diametric_ball3(const tet_point_ref point[4], int *ret_sign);
 
 #ifdef __cplusplus
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The predicates: filter.h first; where the filter cannot tell, for the two that
-// matter most grid_stage.c if the points fit its grid; else exact_stage.c. The
-// symbolic perturbation of insphere is here as well; it is a perturbation of the
-// lifted weights by vertex number (Devillers, Teillaud 2011), and of nothing else.
+// The predicates: filter.h first; where the filter cannot tell, grid_stage.c if the
+// points fit its grid; else exact_stage.c. The symbolic perturbation of insphere is
+// here as well; it perturbs the lifted weights by vertex number (Devillers, Teillaud
+// 2011), and nothing else.
 #include "exact/predicates.h"
 
 #include "exact/exact_stage.h"
@@ -152,6 +152,11 @@ int tet_insphere_sos(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, ui
 
 /* orient2d and collinearity */
 
+static int orient2d_exact(int axis, const tet_point_ref point[3]) {
+  int sign;
+  return tet_grid_orient2d(axis, point, &sign) ? sign : tet_exact_orient2d(axis, point);
+}
+
 int tet_orient2d_xyz(int axis, const double *a, const double *b, const double *c) {
   int i = (axis + 1) % 3, j = (axis + 2) % 3;
   double d[4] = {b[i] - a[i], b[j] - a[j], c[i] - a[i], c[j] - a[j]};
@@ -161,7 +166,7 @@ int tet_orient2d_xyz(int axis, const double *a, const double *b, const double *c
   /* Two axis-parallel sides, or coincident points: differences are zero only exactly. */
   if ((d[0] == 0 || d[3] == 0) && (d[1] == 0 || d[2] == 0)) return 0;
   tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
-  return tet_exact_orient2d(axis, ref);
+  return orient2d_exact(axis, ref);
 }
 
 static __attribute__((noinline)) int orient2d_implicit(const tet_points *p, int axis,
@@ -176,7 +181,7 @@ static __attribute__((noinline)) int orient2d_implicit(const tet_points *p, int 
   if (sign) return sign;
   tet_point_ref ref[3];
   make_refs(p, v, 3, ref);
-  return tet_exact_orient2d(axis, ref);
+  return orient2d_exact(axis, ref);
 }
 
 int tet_orient2d(const tet_points *p, int axis, uint32_t a, uint32_t b, uint32_t c) {
@@ -201,25 +206,30 @@ int tet_collinear(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
 
 /* dot_sign */
 
+static int dot_sign_exact(const tet_point_ref point[3]) {
+  int sign;
+  return tet_grid_dot_sign(point, &sign) ? sign : tet_exact_dot_sign(point);
+}
+
 int tet_dot_sign_xyz(const double *a, const double *b, const double *c) {
   double d[6];
   subtract(a, c, d);
   subtract(b, c, d + 3);
-  int sign = tet_filter(tet_dot_value, tet_dot_value, d, 0, 6, TET_ROUNDINGS_DOT, 0);
+  int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, 0, 6, TET_ROUNDINGS_DOT, 0);
   if (sign) return sign;
   tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
-  return tet_exact_dot_sign(ref);
+  return dot_sign_exact(ref);
 }
 
 static __attribute__((noinline)) int dot_sign_implicit(const tet_points *p,
                                                        const uint32_t v[3]) {
   double d[6], r[6];
   for (int i = 0; i < 2; i++) tet_difference(p, v[i], v[2], d + 3 * i, r + 3 * i);
-  int sign = tet_filter(tet_dot_value, tet_dot_value, d, r, 6, TET_ROUNDINGS_DOT, 0);
+  int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, r, 6, TET_ROUNDINGS_DOT, 0);
   if (sign) return sign;
   tet_point_ref ref[3];
   make_refs(p, v, 3, ref);
-  return tet_exact_dot_sign(ref);
+  return dot_sign_exact(ref);
 }
 
 int tet_dot_sign(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
@@ -230,6 +240,11 @@ int tet_dot_sign(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
 
 /* compare_distance */
 
+static int compare_distance_exact(const tet_point_ref point[3]) {
+  int sign;
+  return tet_grid_compare_distance(point, &sign) ? sign : tet_exact_compare_distance(point);
+}
+
 int tet_compare_distance_xyz(const double *a, const double *b, const double *c) {
   double d[6];
   subtract(b, a, d);
@@ -238,7 +253,7 @@ int tet_compare_distance_xyz(const double *a, const double *b, const double *c) 
                         TET_ROUNDINGS_COMPARE_DISTANCE, 0);
   if (sign) return sign;
   tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
-  return tet_exact_compare_distance(ref);
+  return compare_distance_exact(ref);
 }
 
 static __attribute__((noinline)) int compare_distance_implicit(const tet_points *p,
@@ -250,7 +265,7 @@ static __attribute__((noinline)) int compare_distance_implicit(const tet_points 
   if (sign) return sign;
   tet_point_ref ref[3];
   make_refs(p, v, 3, ref);
-  return tet_exact_compare_distance(ref);
+  return compare_distance_exact(ref);
 }
 
 int tet_compare_distance(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
@@ -260,6 +275,11 @@ int tet_compare_distance(const tet_points *p, uint32_t a, uint32_t b, uint32_t c
 }
 
 /* in_diametric_ball3 */
+
+static int diametric_ball3_exact(const tet_point_ref point[4]) {
+  int sign;
+  return tet_grid_diametric_ball3(point, &sign) ? sign : tet_exact_diametric_ball3(point);
+}
 
 int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c,
                                const double *d) {
@@ -271,7 +291,7 @@ int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c
                         TET_FILTER_SQUARE_LIMIT);
   if (sign) return sign;
   tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
-  return tet_exact_diametric_ball3(ref);
+  return diametric_ball3_exact(ref);
 }
 
 static __attribute__((noinline)) int ball3_implicit(const tet_points *p, const uint32_t v[4]) {
@@ -282,7 +302,7 @@ static __attribute__((noinline)) int ball3_implicit(const tet_points *p, const u
   if (sign) return sign;
   tet_point_ref ref[4];
   make_refs(p, v, 4, ref);
-  return tet_exact_diametric_ball3(ref);
+  return diametric_ball3_exact(ref);
 }
 
 int tet_in_diametric_ball3(const tet_points *p, uint32_t a, uint32_t b, uint32_t c,

@@ -132,7 +132,7 @@ def cospherical(rng, n):
 def coplanar(rng, n, new):
     """Points with exactly equal second differences: o + i u + j v in integers."""
     if rng.random() < 0.4:
-        axis, level = rng.randrange(3), new()
+        axis, level = rng.randrange(3), rng.choice([0.0, new()])
         return [tuple(level if k == axis else new() for k in range(3)) for _ in range(n)]
     vec = lambda m: [rng.randint(-m, m) for _ in range(3)]
     m = 2 ** rng.choice([2, 10, 24])
@@ -145,6 +145,16 @@ def coplanar(rng, n, new):
         i, j = rng.randint(-m, m), rng.randint(-m, m)
         points.append(tuple((o[k] + i * u[k] + j * v[k]) * s for k in range(3)))
     return points
+
+
+def at_the_brink(rng, n):
+    """Products of two or more coordinates are a few of the least denormals, and lose
+    most of their bits, beside a third coordinate that hides it by being large."""
+    if rng.random() < 0.3:
+        e = [rng.choice([-537, -358, -215, -179])] * 3
+    else:
+        e = rng.sample([-537, -537, rng.choice([0, 150, 300, 400])], 3)
+    return [tuple(math.ldexp(rng.uniform(-1.2, 1.2), k) for k in e) for _ in range(n)]
 
 
 def nudge(rng, p):
@@ -163,13 +173,15 @@ def parameter(rng):
 def make_case(rng, name):
     n = COUNT[name]
     new = coordinates(rng)
-    kind = rng.randrange(4)
+    kind = rng.randrange(5)
     if kind == 0:
         explicit = [(new(), new(), new()) for _ in range(3 * n)]
     elif kind == 1:
         explicit = cospherical(rng, 3 * n)
     elif kind == 2:
         explicit = coplanar(rng, 3 * n, new)
+    elif kind == 3:
+        explicit = at_the_brink(rng, 3 * n)
     else:
         explicit = coplanar(rng, 3, new) * n
     if rng.random() < 0.1:

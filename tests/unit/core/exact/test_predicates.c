@@ -247,6 +247,23 @@ static void test_underflow(void **unused) {
   }
 }
 
+/* The least denormal decides beside coordinates whose grid cannot hold it. */
+static void test_least_denormal(void **unused) {
+  (void)unused;
+  const double s = 0x1p100, tiny = 0x1p-1074;
+  double x[] = {0, 0, 0, s, 0, 0, 0, s, 0, s, s, 0, s, s, tiny, s, s, -tiny, s, -s, s};
+  tet_points p = view(x, 7);
+  assert_int_equal(tet_orient3d(&p, 0, 1, 2, 3), 0);
+  assert_int_equal(tet_orient3d(&p, 0, 1, 2, 4), 1);
+  assert_int_equal(tet_orient3d(&p, 0, 1, 2, 5), -1);
+  /* On the circle of the others but for the height, and so on or off the sphere that
+   * hangs below them. */
+  assert_int_equal(tet_orient3d(&p, 0, 1, 2, 6), 1);
+  assert_int_equal(tet_insphere(&p, 0, 1, 2, 6, 3), 0);
+  assert_int_equal(tet_insphere(&p, 0, 1, 2, 6, 4), 1);
+  assert_int_equal(tet_insphere(&p, 0, 1, 2, 6, 5), -1);
+}
+
 /* One unit in the last place beside the least denormals: the longest numbers. */
 static void test_extremes(void **unused) {
   (void)unused;
@@ -283,6 +300,7 @@ int main(void) {
       cmocka_unit_test(test_implicit_on_facet),
       cmocka_unit_test(test_implicit_on_segment),
       cmocka_unit_test(test_underflow),
+      cmocka_unit_test(test_least_denormal),
       cmocka_unit_test(test_extremes),
   };
   return cmocka_run_group_tests(tests, 0, 0);
