@@ -7,6 +7,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -163,3 +164,9 @@ def test_sources_name_no_place_of_a_machine():
             if places.search(line) or marks.search(line):
                 found.append(f"{relative(path)}:{number}: {line.strip()}")
     assert not found, "\n".join(found)
+
+
+def test_sample_part_is_what_its_generator_prints():
+    parts = ROOT / "tests/support/parts"
+    printed = subprocess.run([sys.executable, parts / "bracket.py"], capture_output=True, text=True, check=True).stdout
+    assert printed == (parts / "bracket.poly").read_text(encoding="ascii")
