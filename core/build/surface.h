@@ -24,6 +24,7 @@
 typedef struct tet_patch {
   uint32_t facet;      /* into facets */
   uint8_t axis;        /* coordinate to drop for orient2d */
+  int8_t side;         /* sign of orient3d(t, off_plane) for all its triangles t */
   uint32_t off_plane;  /* an explicit vertex off its plane: with it in-facet
                           incircle tests are insphere tests (design 9.4) */
 } tet_patch;

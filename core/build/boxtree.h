@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/* boxtree.h: all pairs of boxes that meet, by a tree of boxes against itself. */
+#ifndef TET_BUILD_BOXTREE_H
+#define TET_BUILD_BOXTREE_H
+
+#include "base/context.h"
+
+typedef struct tet_box {
+  double lo[3], hi[3];
+} tet_box;
+
+typedef tet_status (*tet_box_pair_fn)(void *user, uint32_t i, uint32_t j);
+
+static inline int tet_boxes_meet(const tet_box *a, const tet_box *b) {
+  for (int k = 0; k < 3; k++)
+    if (a->lo[k] > b->hi[k] || b->lo[k] > a->hi[k]) return 0;
+  return 1;
+}
+
+/* Calls `pair` once for every two of the n boxes that touch or overlap; stops at the
+ * first status that is not TET_OK. The order depends on the boxes alone. About
+ * n log n and the number of pairs. */
+tet_status tet_box_pairs(tet_ctx *ctx, const tet_box *box, uint32_t n, tet_box_pair_fn pair, void *user);
+
+#endif
