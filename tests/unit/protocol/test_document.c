@@ -90,7 +90,7 @@ static void limits_are_told(void **state) {
   assert_non_null(strstr(text, row));
   snprintf(row, sizeof row, "| `max_depth` %d |", TP_MAX_DEPTH);
   assert_non_null(strstr(text, row));
-  snprintf(row, sizeof row, "lines of up to %d bytes", TP_WORKER_LINE);
+  snprintf(row, sizeof row, "lines of up to %d", TP_WORKER_LINE);
   assert_non_null(strstr(text, row));
   free(text);
 }
