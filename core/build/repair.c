@@ -17,6 +17,7 @@ enum { MOST = 4 }; /* tetrahedra before or after one flip */
 typedef struct repair {
   tet_ctx *ctx;
   tet_pieces *p;
+  tet_points exact;        /* the Steiner points as they were: implicit */
   uint32_t **tri;          /* [n_tets][4] triangle of the surface at a face */
   size_t cap_tets, cap_adj, cap_region, cap_tri;
   tet_edge_map subsegs;
@@ -38,13 +39,15 @@ static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 static const double *at(const repair *r, uint32_t v) { return r->p->points + 3 * (size_t)v; }
 
-static int orient(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  return tet_orient3d_xyz(at(r, a), at(r, b), at(r, c), at(r, d));
+/* 1: abcd is positive as rounded, and was before: four vertices of one facet are
+ * coplanar, whatever rounding made of them. */
+static int may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  return tet_orient3d_xyz(at(r, a), at(r, b), at(r, c), at(r, d)) > 0 && tet_orient3d(&r->exact, a, b, c, d) > 0;
 }
 
 static int positive(const repair *r, uint32_t t) {
   const uint32_t *v = r->p->tets + 4 * (size_t)t;
-  return orient(r, v[0], v[1], v[2], v[3]) > 0;
+  return tet_orient3d_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3])) > 0;
 }
 
 static int is_dead(const repair *r, uint32_t t) { return r->p->tets[4 * (size_t)t] == TET_NONE; }
@@ -190,10 +193,10 @@ static int remove_edge(const repair *r, uint32_t h, uint32_t x, uint32_t y, uint
   return 1;
 }
 
-static int all_positive(const repair *r, const flip *f) {
+static int all_may_be_made(const repair *r, const flip *f) {
   for (int k = 0; k < f->n_made; k++) {
     const uint32_t *v = f->made[k];
-    if (orient(r, v[0], v[1], v[2], v[3]) <= 0) return 0;
+    if (!may_be_made(r, v[0], v[1], v[2], v[3])) return 0;
   }
   return 1;
 }
@@ -205,12 +208,12 @@ static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, in
   flip f = {.old = {t, g >> 2}, .n_old = 2};
   for (int k = 0; k < 3; k++) v[k] = p->tets[4 * (size_t)t + face[h & 3][k]];
   for (int k = 0; k < 3; k++) add(&f, d, v[k], v[(k + 1) % 3], e);
-  *ret_done = all_positive(r, &f);
+  *ret_done = all_may_be_made(r, &f);
   for (int k = 0; k < 3 && !*ret_done; k++) {
     uint32_t x = v[k], y = v[(k + 1) % 3];
-    if (orient(r, d, x, y, e) > 0 || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
+    if (may_be_made(r, d, x, y, e) || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
     if (f.in_facet && surface->tri_patch[f.facet_tri[0]] != surface->tri_patch[f.facet_tri[1]]) continue;
-    *ret_done = all_positive(r, &f);
+    *ret_done = all_may_be_made(r, &f);
   }
   return *ret_done ? apply(r, &f) : TET_OK;
 }
@@ -280,10 +283,12 @@ static tet_status verify(const repair *r) {
                   (unsigned long long)inverted, (unsigned long long)faces / 2, place_of[0], place_of[1], place_of[2]);
 }
 
-tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, tet_pieces *p, uint32_t **tri, uint64_t *ret_flips) {
+tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
+                      uint32_t **tri, uint64_t *ret_flips) {
   size_t n = p->n_tets;
-  repair r = {.ctx = ctx, .p = p, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
+  repair r = {.ctx = ctx, .p = p, .exact = *exact, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
   tet_status status = TET_OK;
+  r.exact.x = p->points;
   for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;) {
     int steiner = 0;
     for (int i = 0; i < 4; i++) steiner |= p->tets[4 * (size_t)t + (size_t)i] >= p->n_input;

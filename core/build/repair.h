@@ -6,9 +6,11 @@
 #include "build/surface.h"
 
 /* Makes every tetrahedron of `p` positive and every interior face that is no subface
- * locally Delaunay, by flips; *tri ([n_tets][4], may move) is kept. Only tetrahedra
+ * locally Delaunay, by flips; `exact` knows the implicit points (its x may be gone:
+ * the coordinates are those of p); *tri ([n_tets][4], may move) is kept. Only tetrahedra
  * with a Steiner point are looked at first. Errors: TET_E_ROUNDING, with a place,
  * where flips do not get there. */
-tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, tet_pieces *p, uint32_t **tri, uint64_t *ret_flips);
+tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
+                      uint32_t **tri, uint64_t *ret_flips);
 
 #endif
