@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/* report.c: the report of a mesh with the list of what breaks the promised bound. */
+#include "clients/cli/cli.h"
+
+static const uint32_t *indices(const tetrad_mesh *mesh, const char *name, uint64_t rows) {
+    const tetrad_array *array = tetrad_mesh_find(mesh, name);
+    return array != NULL && array->dtype == TETRAD_U4 && array->shape[0] == rows ? array->data
+                                                                                 : NULL;
+}
+
+// The sharp segment to blame: its number and the vertices of the subsegment; null
+// where there is none.
+static json_t *segment_json(const tetrad_mesh *mesh, uint32_t row, int first_index) {
+    const tetrad_array *subsegments = tetrad_mesh_find(mesh, "subsegments");
+    const tetrad_array *numbers = tetrad_mesh_find(mesh, "subsegment_segments");
+    const tetrad_array *markers = tetrad_mesh_find(mesh, "subsegment_markers");
+    if (subsegments == NULL || row >= subsegments->shape[0] || subsegments->shape[1] != 2 ||
+        numbers == NULL || row >= numbers->shape[0]) {
+        return json_null();
+    }
+    const uint32_t *ends = (const uint32_t *)subsegments->data + 2 * (size_t)row;
+    const int32_t marker =
+        markers != NULL && row < markers->shape[0] ? ((const int32_t *)markers->data)[row] : 0;
+    return json_pack("{s:I, s:i, s:[I,I]}", "number",
+                     (json_int_t)((const uint32_t *)numbers->data)[row] + first_index, "marker",
+                     (int)marker, "vertices", (json_int_t)ends[0] + first_index,
+                     (json_int_t)ends[1] + first_index);
+}
+
+json_t *make_report(const json_t *job, const tetrad_mesh *mesh, int first_index) {
+    json_t *report = json_copy(json_object_get(job, "report"));
+    const tetrad_array *tetrahedra = tetrad_mesh_find(mesh, "exception_tetrahedra");
+    const tetrad_array *ratios = tetrad_mesh_find(mesh, "exception_radius_edge");
+    const uint64_t n = tetrahedra != NULL ? tetrahedra->shape[0] : 0;
+    const uint32_t *rows = indices(mesh, "exception_tetrahedra", n);
+    const uint32_t *segments = indices(mesh, "exception_segments", n);
+    json_t *list = json_array();
+    int failed = report == NULL || list == NULL;
+    for (uint64_t i = 0; i < n && rows != NULL && !failed; i++) {
+        const double ratio = ratios != NULL && i < ratios->shape[0]
+                                 ? ((const double *)ratios->data)[i]
+                                 : 0;
+        json_t *segment = segments != NULL ? segment_json(mesh, segments[i], first_index) : json_null();
+        failed = json_array_append_new(
+            list, json_pack("{s:I, s:f, s:o}", "tetrahedron", (json_int_t)rows[i] + first_index,
+                            "radius_edge", ratio, "segment", segment));
+    }
+    if (!failed) {
+        failed = json_object_set_new(report, "exceptions",
+                                     json_pack("{s:I, s:O}", "count", (json_int_t)n, "list", list));
+        failed |= json_object_set_new(report, "first_index", json_integer(first_index));
+    }
+    json_decref(list);
+    if (failed) {
+        json_decref(report);
+        return NULL;
+    }
+    return report;
+}
