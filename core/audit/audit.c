@@ -136,7 +136,7 @@ static tet_status check_faces(auditor *a) {
 
 static int holds(const tet_promise *p, const tet_audit *f) {
   if (f->bad_indices || f->flat_or_inverted || f->adjacency || f->subfaces_missing || f->subsegments_missing) return 0;
-  if (f->region_leaks || f->broken_segments || f->over_radius_edge || f->over_volume) return 0;
+  if (f->region_leaks || f->broken_segments || f->facet_slivers || f->over_radius_edge || f->over_volume) return 0;
   if (p->delaunay && f->not_delaunay) return 0;
   if (p->constrained_delaunay && f->not_constrained_delaunay) return 0;
   if (p->gabriel && (f->subfaces_encroached || f->subsegments_encroached)) return 0;
@@ -153,10 +153,10 @@ tet_status tet_audit_mesh(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *ret_aud
     if (!a.subface || !a.flag) status = tet_ctx_error(ctx)->status;
     if (status == TET_OK) status = check_shapes(&a);
     if (status == TET_OK) status = check_faces(&a);
-    tet_free(ctx, a.subface);
     tet_free(ctx, a.flag);
     tet_face_table_free(ctx, &a.faces);
-    if (status == TET_OK) status = tet_audit_edges(ctx, mesh, &a.found);
+    if (status == TET_OK) status = tet_audit_edges(ctx, mesh, a.subface, &a.found);
+    tet_free(ctx, a.subface);
   }
   if (status != TET_OK) return status;
   a.found.passed = holds(&mesh->report.promised, &a.found);

@@ -94,19 +94,26 @@ static void mark_creases(edge_table *e) {
   }
 }
 
-/* Looks at the six edges of tetrahedron t. */
-static void look_at(edge_table *e, uint32_t t) {
+/* Looks at the six edges of tetrahedron t; returns 1 if two of its faces, with
+ * `subface` 1, meet in an edge that is no subsegment: all four vertices are on one
+ * flat part of a facet, and the tetrahedron is what rounding made of nothing. */
+static int look_at(edge_table *e, uint32_t t, const uint8_t subface[4]) {
   const tet_mesh *mesh = e->mesh;
   const uint32_t *v = mesh->tetrahedra + 4 * (size_t)t;
+  int sliver = 0;
   for (int i = 0; i < 4; i++)
     for (int j = i + 1; j < 4; j++) {
       uint32_t row = find_edge(e, v[i], v[j]);
+      int walls = 0;
+      for (int k = 0; k < 4; k++) walls += k != i && k != j && subface[k];
+      sliver |= walls == 2 && row == TET_NONE;
       if (row == TET_NONE) continue;
       e->flag[row] |= SEEN;
       for (int k = 0; k < 4; k++)
         if (k != i && k != j && tet_dot_sign_xyz(place(mesh, v[i]), place(mesh, v[j]), place(mesh, v[k])) < 0)
           e->flag[row] |= ENCROACHED;
     }
+  return sliver;
 }
 
 /* The first place in item[0..n) with this vertex (items are (vertex, edge)). */
@@ -172,12 +179,12 @@ static tet_status check_chains(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *fo
   return status;
 }
 
-tet_status tet_audit_edges(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *found) {
+tet_status tet_audit_edges(tet_ctx *ctx, const tet_mesh *mesh, const uint8_t *subface, tet_audit *found) {
   edge_table e;
   tet_status status = edge_table_build(ctx, mesh, &e);
   if (status == TET_OK) mark_creases(&e);
   for (uint32_t t = 0; status == TET_OK && t < mesh->n_tetrahedra; t++) {
-    look_at(&e, t);
+    found->facet_slivers += (uint64_t)look_at(&e, t, subface + 4 * (size_t)t);
     if ((t & 1023) == 0) status = tet_poll(ctx);
   }
   /* Of a subsegment listed twice one row is never found: it counts as missing. */

@@ -73,6 +73,7 @@ typedef struct tet_audit {
   uint64_t subsegments_missing;
   uint64_t uncovered;           /* boundary faces that are no subfaces */
   uint64_t broken_segments;     /* whose subsegments are not one open chain */
+  uint64_t facet_slivers;       /* tetrahedra with two subfaces that meet inside a facet */
   uint64_t subfaces_encroached; /* not Gabriel */
   uint64_t subsegments_encroached;
   uint64_t over_radius_edge;    /* not listed as exceptions, over the bound */

@@ -187,7 +187,9 @@ static void finds_ring(void **state) {
   mesh->n_subsegments = 4;
   memcpy(mesh->subsegments, square, sizeof square);
   memset(mesh->subsegment_segments, 0, 4 * sizeof *mesh->subsegment_segments);
-  expect((tet_audit){.broken_segments = 1});
+  tet_audit a = audit();
+  assert_int_equal(a.broken_segments, 1);
+  assert_false(a.passed);
 }
 
 static void finds_over_bounds(void **state) {
@@ -218,6 +220,7 @@ static void two_tetrahedra(double above, double below) {
   static const uint32_t v[8] = {0, 1, 2, 3, 0, 2, 1, 4};
   static const uint32_t neighbours[8] = {TET_NONE, TET_NONE, TET_NONE, 1, TET_NONE, TET_NONE, TET_NONE, 0};
   static const uint32_t faces[18] = {0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 1, 4, 1, 2, 4, 2, 0, 4};
+  static const uint32_t edges[18] = {0, 1, 1, 2, 2, 0, 0, 3, 1, 3, 2, 3, 0, 4, 1, 4, 2, 4};
   memcpy(mesh->points, corners, sizeof corners);
   for (int k = 0; k < 2; k++) {
     double *p = mesh->points + 9 + 3 * k;
@@ -228,11 +231,13 @@ static void two_tetrahedra(double above, double below) {
   memcpy(mesh->tetrahedra, v, sizeof v);
   memcpy(mesh->neighbours, neighbours, sizeof neighbours);
   memcpy(mesh->subfaces, faces, sizeof faces);
+  memcpy(mesh->subsegments, edges, sizeof edges);
+  for (uint32_t s = 0; s < 9; s++) mesh->subsegment_segments[s] = s;
   memset(mesh->tetrahedron_regions, 0, 2 * sizeof *mesh->tetrahedron_regions);
   mesh->n_points = mesh->n_input_points = 5;
   mesh->n_tetrahedra = 2;
   mesh->n_subfaces = 6;
-  mesh->n_subsegments = 0;
+  mesh->n_subsegments = 9;
   mesh->report.promised = (tet_promise){.delaunay = 1, .constrained_delaunay = 1, .covered = 1};
 }
 
@@ -259,29 +264,38 @@ static void finds_not_delaunay(void **state) {
 static void finds_encroached(void **state) {
   (void)state;
   two_tetrahedra(3, 3);
-  uint32_t wall[3] = {2, 0, 1}, edge[2] = {1, 0};
+  uint32_t wall[3] = {2, 0, 1};
   memcpy(mesh->subfaces + 18, wall, sizeof wall);
   mesh->n_subfaces = 7;
-  memcpy(mesh->subsegments, edge, sizeof edge);
-  mesh->n_subsegments = 1;
-  uint64_t sides = audit().subfaces_encroached;
+  tet_audit before = audit();
   mesh->points[11] = 0.25; /* apex 3 sinks into the balls of the triangle and of the edge */
   tet_audit a = audit();
-  assert_true(a.subfaces_encroached > sides);
-  assert_int_equal(a.subsegments_encroached, 1);
+  assert_true(a.subfaces_encroached > before.subfaces_encroached);
+  assert_true(a.subsegments_encroached > before.subsegments_encroached);
   mesh->report.promised = (tet_promise){.gabriel = 1};
   assert_false(audit().passed);
+}
+
+/* Two of the sides of a tetrahedron on one facet: that the edge between them is no
+ * subsegment tells so. */
+static void finds_facet_sliver(void **state) {
+  (void)state;
+  two_tetrahedra(3, 3);
+  assert_int_equal(audit().facet_slivers, 0); /* all edges there are subsegments */
+  mesh->n_subsegments--;
+  tet_audit a = audit();
+  assert_int_equal(a.facet_slivers, 1);
+  assert_false(a.passed);
 }
 
 /* The edge 0 1 inside one facet of two triangles that are not quite coplanar. */
 static void excuses_creases(void **state) {
   (void)state;
   two_tetrahedra(0.25, 3);
-  uint32_t faces[6] = {0, 1, 2, 0, 3, 1}, edge[2] = {0, 1};
+  uint32_t faces[6] = {0, 1, 2, 0, 3, 1};
   memcpy(mesh->subfaces, faces, sizeof faces);
   memset(mesh->subface_facets, 0, 2 * sizeof *mesh->subface_facets);
   mesh->n_subfaces = 2;
-  memcpy(mesh->subsegments, edge, sizeof edge);
   mesh->n_subsegments = 1;
   assert_int_equal(audit().subsegments_encroached, 0);
   mesh->subface_facets[1] = 1;
@@ -329,6 +343,6 @@ int main(void) {
       TEST(finds_dropped_boundary_subface), TEST(finds_dropped_wall_subface), TEST(finds_foreign_subface),
       TEST(finds_repeated_subface), TEST(finds_wrong_region), TEST(finds_missing_subsegment), TEST(finds_broken_chain),
       TEST(finds_ring), TEST(finds_over_bounds), TEST(accepts_listed_exceptions), TEST(finds_not_delaunay),
-      TEST(finds_encroached), TEST(excuses_creases), TEST(can_be_cancelled), TEST(measures_shapes)};
+      TEST(finds_encroached), TEST(finds_facet_sliver), TEST(excuses_creases), TEST(can_be_cancelled), TEST(measures_shapes)};
   return cmocka_run_group_tests_name("audit", tests, NULL, NULL);
 }
