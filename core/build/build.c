@@ -128,7 +128,7 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
   if (status == TET_OK) status = tet_extract_tetrahedra(st, face_tri, part, &r->pieces, &tri);
   /* from here on the rounded coordinates are the truth */
   if (status == TET_OK)
-    status = tet_repair(st->ctx, &st->surface, &st->points, &r->pieces, &tri, &st->counts.rounding_flips);
+    status = tet_repair(st->ctx, &st->surface, &st->points, &r->pieces, &tri, &st->counts);
   if (status == TET_OK) status = tet_apply_seeds(st->ctx, st->pls, o->keep_hull, n_parts, &r->pieces, tri);
   if (status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
   if (status == TET_OK) tet_stage_counts(st->ctx, r->pieces.n_points, r->pieces.n_tets);

@@ -21,6 +21,8 @@ typedef struct repair {
   uint32_t **tri;          /* [n_tets][4] triangle of the surface at a face */
   size_t cap_tets, cap_adj, cap_region, cap_tri;
   tet_edge_map subsegs;
+  uint32_t *patch_start;   /* [vertices + 1] into patches */
+  uint32_t *patches;       /* the patches of each vertex */
   uint32_t *stack;         /* tetrahedra to look at */
   size_t n_stack, cap_stack;
   uint64_t flips;
@@ -39,10 +41,20 @@ static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 static const double *at(const repair *r, uint32_t v) { return r->p->points + 3 * (size_t)v; }
 
-/* 1: abcd is positive as rounded, and was before: four vertices of one facet are
- * coplanar, whatever rounding made of them. */
+static int on_patch(const repair *r, uint32_t v, uint32_t patch) {
+  for (uint32_t i = r->patch_start[v]; i < r->patch_start[v + 1]; i++)
+    if (r->patches[i] == patch) return 1;
+  return 0;
+}
+
+/* 1: abcd is positive as rounded, and its vertices are not all on one patch: those
+ * are coplanar, whatever rounding made of them. */
 static int may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  return tet_orient3d_xyz(at(r, a), at(r, b), at(r, c), at(r, d)) > 0 && tet_orient3d(&r->exact, a, b, c, d) > 0;
+  if (tet_orient3d_xyz(at(r, a), at(r, b), at(r, c), at(r, d)) <= 0) return 0;
+  if (tet_orient3d(&r->exact, a, b, c, d) != 0) return 1;
+  for (uint32_t i = r->patch_start[a]; i < r->patch_start[a + 1]; i++)
+    if (on_patch(r, b, r->patches[i]) && on_patch(r, c, r->patches[i]) && on_patch(r, d, r->patches[i])) return 0;
+  return 1;
 }
 
 static int positive(const repair *r, uint32_t t) {
@@ -50,6 +62,7 @@ static int positive(const repair *r, uint32_t t) {
   return tet_orient3d_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3])) > 0;
 }
 
+/* 3-2 flips leave gaps. */
 static int is_dead(const repair *r, uint32_t t) { return r->p->tets[4 * (size_t)t] == TET_NONE; }
 
 static uint32_t tri_at(const repair *r, uint32_t h) { return (*r->tri)[h]; }
@@ -201,6 +214,17 @@ static int all_may_be_made(const repair *r, const flip *f) {
   return 1;
 }
 
+/* 1: the faces dez and dew that a 2-2 or 4-4 flip makes are locally Delaunay. Where
+ * d, x, y, e are coplanar only up to rounding this does not follow, and flips
+ * could go back and forth. */
+static int stays_flipped(const repair *r, const flip *f) {
+  for (int k = 0; k < f->n_made; k += 2) {
+    const uint32_t *v = f->made[k];
+    if (tet_insphere_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3]), at(r, f->x)) > 0) return 0;
+  }
+  return 1;
+}
+
 /* Tries to flip face h away. */
 static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, int *ret_done) {
   const tet_pieces *p = r->p;
@@ -213,7 +237,7 @@ static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, in
     uint32_t x = v[k], y = v[(k + 1) % 3];
     if (may_be_made(r, d, x, y, e) || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
     if (f.in_facet && surface->tri_patch[f.facet_tri[0]] != surface->tri_patch[f.facet_tri[1]]) continue;
-    *ret_done = all_may_be_made(r, &f);
+    *ret_done = all_may_be_made(r, &f) && (f.n_old == 3 || stays_flipped(r, &f));
   }
   return *ret_done ? apply(r, &f) : TET_OK;
 }
@@ -264,31 +288,116 @@ static void compact(repair *r) {
   }
 }
 
-/* What is left: an inverted tetrahedron or a face that no flip mends. */
+/* 1: t is not positive or has a bad face. */
+static int is_bad_tetrahedron(const repair *r, uint32_t t) {
+  int ok = positive(r, t), bad = !ok;
+  for (uint32_t i = 0; i < 4 && !bad; i++) bad = is_bad(r, 4 * t + i, ok);
+  return bad;
+}
+
+/* The neighbours of Steiner point v on its segment, as t. */
+static void gap_around(const repair *r, const tet_surface *s, uint32_t v, double *lo, double *hi) {
+  const tet_segment_point *p = &r->exact.implicit[v - r->exact.first_implicit];
+  *lo = 0;
+  *hi = 1;
+  for (size_t e = 0; e < s->n_subsegs; e++)
+    for (int side = 0; side < 2; side++) {
+      uint32_t other = s->subseg[2 * e + (size_t)!side];
+      if (s->subseg[2 * e + (size_t)side] != v || other < r->exact.first_implicit) continue;
+      double t = r->exact.implicit[other - r->exact.first_implicit].t;
+      if (t < p->t && t > *lo) *lo = t;
+      if (t > p->t && t < *hi) *hi = t;
+    }
+}
+
+/* Moves Steiner point v to `t` on its segment if all its tetrahedra are positive
+ * then; they are pushed. */
+static tet_status move(repair *r, uint32_t v, double t, int *ret_moved) {
+  tet_segment_point *s = &r->exact.implicit[v - r->exact.first_implicit];
+  tet_pieces *p = r->p;
+  double *x = p->points + 3 * (size_t)v, old_x[3] = {x[0], x[1], x[2]}, old_t = s->t;
+  size_t first = r->n_stack;
+  tet_status status = TET_OK;
+  s->t = t;
+  tet_segment_point_round(&r->exact, s, x);
+  *ret_moved = 1;
+  for (uint32_t k = 0; k < p->n_tets && *ret_moved && status == TET_OK; k++) {
+    const uint32_t *c = p->tets + 4 * (size_t)k;
+    if (is_dead(r, k) || (c[0] != v && c[1] != v && c[2] != v && c[3] != v)) continue;
+    *ret_moved = may_be_made(r, c[0], c[1], c[2], c[3]);
+    status = push(r, k);
+  }
+  if (*ret_moved) return status;
+  r->n_stack = first;
+  s->t = old_t;
+  memcpy(x, old_x, sizeof old_x);
+  return status;
+}
+
+/* Where flips stick: moves the Steiner points of bad tetrahedra along their
+ * segments, a little farther in every round, and flips again. */
+static tet_status move_and_flip(repair *r, const tet_surface *surface, uint64_t *ret_moves) {
+  static const double share[] = {0.01, 0.02, 0.04, 0.08, 0.12, 0.16, 0.2, 0.24, 0.28, 0.32, 0.36, 0.4};
+  tet_pieces *p = r->p;
+  tet_status status = TET_OK;
+  for (size_t round = 0; round < sizeof share / sizeof *share && status == TET_OK; round++) {
+    uint32_t bad = 0;
+    for (uint32_t t = 0; t < p->n_tets && status == TET_OK; t++) {
+      if (is_dead(r, t) || !is_bad_tetrahedron(r, t)) continue;
+      bad++;
+      for (int i = 0; i < 4 && status == TET_OK && !is_dead(r, t); i++) {
+        uint32_t v = p->tets[4 * (size_t)t + (size_t)i];
+        if (v < r->exact.first_implicit) continue;
+        double lo, hi, at_t = r->exact.implicit[v - r->exact.first_implicit].t;
+        gap_around(r, surface, v, &lo, &hi);
+        double step = share[round] * (hi - at_t < at_t - lo ? hi - at_t : at_t - lo);
+        int moved = 0;
+        status = move(r, v, at_t + step, &moved);
+        if (!moved && status == TET_OK) status = move(r, v, at_t - step, &moved);
+        *ret_moves += (uint64_t)moved;
+        if (moved && status == TET_OK) status = flip_all(r, surface);
+      }
+      if (status == TET_OK) status = tet_poll(r->ctx);
+    }
+    if (!bad) break;
+  }
+  return status;
+}
+
+/* What is left, if anything is. */
 static tet_status verify(const repair *r) {
-  uint64_t inverted = 0, faces = 0;
+  uint64_t n = 0;
   const double *place_of = NULL;
   for (uint32_t t = 0; t < r->p->n_tets; t++) {
-    int ok = positive(r, t);
-    inverted += !ok;
-    uint64_t bad = 0;
-    for (uint32_t i = 0; i < 4; i++) bad += is_bad(r, 4 * t + i, ok);
-    if (bad || !ok) place_of = at(r, r->p->tets[4 * (size_t)t]);
-    faces += bad;
+    if (!is_bad_tetrahedron(r, t)) continue;
+    n++;
+    place_of = at(r, r->p->tets[4 * (size_t)t]);
   }
-  if (!place_of) return TET_OK;
+  if (!n) return TET_OK;
   return tet_fail(r->ctx, TET_E_ROUNDING,
-                  "facets closer than doubles hold: rounding leaves %llu inverted tetrahedra and %llu faces not "
-                  "locally Delaunay, near (%.17g, %.17g, %.17g)",
-                  (unsigned long long)inverted, (unsigned long long)faces / 2, place_of[0], place_of[1], place_of[2]);
+                  "facets closer than doubles hold: rounding leaves %llu tetrahedra inverted or not locally Delaunay, "
+                  "near (%.17g, %.17g, %.17g)",
+                  (unsigned long long)n, place_of[0], place_of[1], place_of[2]);
+}
+
+/* Fills the lists of patches at each vertex. */
+static tet_status list_patches(repair *r, const tet_surface *s) {
+  size_t n = (size_t)r->p->n_points + 2;
+  r->patch_start = tet_calloc(r->ctx, n, sizeof *r->patch_start);
+  r->patches = tet_alloc(r->ctx, 3 * (size_t)s->n_tris, sizeof *r->patches);
+  if (!r->patch_start || !r->patches) return tet_ctx_error(r->ctx)->status;
+  for (size_t i = 0; i < 3 * (size_t)s->n_tris; i++) r->patch_start[s->tri[i] + 2]++;
+  for (size_t v = 2; v < n; v++) r->patch_start[v] += r->patch_start[v - 1];
+  for (size_t i = 0; i < 3 * (size_t)s->n_tris; i++) r->patches[r->patch_start[s->tri[i] + 1]++] = s->tri_patch[i / 3];
+  return TET_OK;
 }
 
 tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
-                      uint32_t **tri, uint64_t *ret_flips) {
+                      uint32_t **tri, tet_counts *counts) {
   size_t n = p->n_tets;
   repair r = {.ctx = ctx, .p = p, .exact = *exact, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
   tet_status status = TET_OK;
-  r.exact.x = p->points;
+  r.exact.x = p->points; /* moved there */
   for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;) {
     int steiner = 0;
     for (int i = 0; i < 4; i++) steiner |= p->tets[4 * (size_t)t + (size_t)i] >= p->n_input;
@@ -296,11 +405,15 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   }
   for (uint32_t e = 0; e < surface->n_subsegs && r.n_stack && status == TET_OK; e++)
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
+  if (status == TET_OK) status = list_patches(&r, surface);
   if (status == TET_OK) status = flip_all(&r, surface);
+  if (status == TET_OK) status = move_and_flip(&r, surface, &counts->rounding_moves);
   compact(&r);
   if (status == TET_OK) status = verify(&r);
-  *ret_flips = r.flips;
+  counts->rounding_flips = r.flips;
   tet_edge_map_free(ctx, &r.subsegs);
+  tet_free(ctx, r.patch_start);
+  tet_free(ctx, r.patches);
   tet_free(ctx, r.stack);
   return status;
 }

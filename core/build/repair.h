@@ -9,8 +9,9 @@
  * locally Delaunay, by flips; `exact` knows the implicit points (its x may be gone:
  * the coordinates are those of p); *tri ([n_tets][4], may move) is kept. Only tetrahedra
  * with a Steiner point are looked at first. Errors: TET_E_ROUNDING, with a place,
- * where flips do not get there. */
+ * where neither flips nor moving
+ * Steiner points along their segments get there. Fills rounding_flips and _moves. */
 tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
-                      uint32_t **tri, uint64_t *ret_flips);
+                      uint32_t **tri, tet_counts *counts);
 
 #endif
