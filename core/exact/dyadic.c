@@ -36,7 +36,8 @@ static tet_dyadic place(tet_dyadic_space *w, uint64_t m, uint32_t shift, int32_t
   uint32_t n = shift / 64, bit = shift % 64;
   memset(out, 0, n * sizeof *out);
   out[n++] = m << bit;
-  if (bit != 0 && (m >> (64 - bit)) != 0) out[n++] = m >> (64 - bit);
+  if (bit != 0 && (m >> (64 - bit)) != 0)
+    out[n++] = m >> (64 - bit);
   w->top = out + n;
   return (tet_dyadic){.limb = out, .n = n, .exp = exp, .sign = sign};
 }
@@ -45,7 +46,8 @@ tet_dyadic tet_dyadic_from_double(tet_dyadic_space *w, double x, int32_t exp) {
   uint64_t m;
   int32_t e;
   int sign = tet_double_parts(x, &m, &e);
-  if (sign == 0) return tet_dyadic_zero(exp);
+  if (sign == 0)
+    return tet_dyadic_zero(exp);
   return place(w, m, (uint32_t)(e - exp), exp, sign);
 }
 
@@ -53,13 +55,15 @@ tet_dyadic tet_dyadic_from_double_reduced(tet_dyadic_space *w, double x) {
   uint64_t m;
   int32_t e;
   int sign = tet_double_parts(x, &m, &e);
-  if (sign == 0) return tet_dyadic_zero(0);
+  if (sign == 0)
+    return tet_dyadic_zero(0);
   return place(w, m, 0, e, sign);
 }
 
 /* The same value at the lower exponent `exp`. */
 static tet_dyadic rescale(tet_dyadic_space *w, const tet_dyadic *a, int32_t exp) {
-  if (a->sign == 0) return tet_dyadic_zero(exp);
+  if (a->sign == 0)
+    return tet_dyadic_zero(exp);
   uint32_t shift = (uint32_t)(a->exp - exp), skip = shift / 64, bit = shift % 64;
   uint64_t *out = w->top;
   memset(out, 0, skip * sizeof *out);
@@ -74,7 +78,8 @@ static tet_dyadic rescale(tet_dyadic_space *w, const tet_dyadic *a, int32_t exp)
       out[n++] = limb << bit | low;
       low = limb >> (64 - bit);
     }
-    if (low != 0) out[n++] = low;
+    if (low != 0)
+      out[n++] = low;
   }
   w->top = out + n;
   return (tet_dyadic){.limb = out, .n = n, .exp = exp, .sign = a->sign};
@@ -82,9 +87,11 @@ static tet_dyadic rescale(tet_dyadic_space *w, const tet_dyadic *a, int32_t exp)
 
 /* Sign of |a| - |b| for equal exponents. */
 static int compare_magnitudes(const tet_dyadic *a, const tet_dyadic *b) {
-  if (a->n != b->n) return a->n < b->n ? -1 : 1;
+  if (a->n != b->n)
+    return a->n < b->n ? -1 : 1;
   for (uint32_t i = a->n; i-- > 0;) {
-    if (a->limb[i] != b->limb[i]) return a->limb[i] < b->limb[i] ? -1 : 1;
+    if (a->limb[i] != b->limb[i])
+      return a->limb[i] < b->limb[i] ? -1 : 1;
   }
   return 0;
 }
@@ -105,14 +112,15 @@ static tet_dyadic add_magnitudes(tet_dyadic_space *w, const tet_dyadic *a, const
     out[i] = (uint64_t)sum;
     sum >>= 64;
   }
-  if (sum != 0) out[i++] = (uint64_t)sum;
+  if (sum != 0)
+    out[i++] = (uint64_t)sum;
   w->top = out + i;
   return (tet_dyadic){.limb = out, .n = i, .exp = a->exp, .sign = sign};
 }
 
 /* |a| - |b| for |a| > |b|. */
-static tet_dyadic subtract_magnitudes(tet_dyadic_space *w, const tet_dyadic *a,
-                                      const tet_dyadic *b, int sign) {
+static tet_dyadic subtract_magnitudes(tet_dyadic_space *w, const tet_dyadic *a, const tet_dyadic *b,
+                                      int sign) {
   uint64_t *out = w->top;
   uint64_t borrow = 0;
   uint32_t i = 0;
@@ -126,7 +134,8 @@ static tet_dyadic subtract_magnitudes(tet_dyadic_space *w, const tet_dyadic *a,
     out[i] = (uint64_t)d;
     borrow = (uint64_t)(d >> 64) & 1;
   }
-  while (out[i - 1] == 0) i--; /* ends: the difference is not zero */
+  while (out[i - 1] == 0)
+    i--; /* ends: the difference is not zero */
   w->top = out + i;
   return (tet_dyadic){.limb = out, .n = i, .exp = a->exp, .sign = sign};
 }
@@ -140,19 +149,23 @@ tet_dyadic tet_dyadic_add_long(tet_dyadic_space *w, const tet_dyadic *a, const t
   } else if (v.exp > u.exp) {
     v = rescale(w, &v, u.exp);
   }
-  if (v.sign == 0) return u;
-  if (u.sign == 0) return v;
+  if (v.sign == 0)
+    return u;
+  if (u.sign == 0)
+    return v;
   if (u.sign == v.sign) {
     return u.n >= v.n ? add_magnitudes(w, &u, &v, u.sign) : add_magnitudes(w, &v, &u, u.sign);
   }
   int order = compare_magnitudes(&u, &v);
-  if (order == 0) return tet_dyadic_zero(u.exp);
+  if (order == 0)
+    return tet_dyadic_zero(u.exp);
   return order > 0 ? subtract_magnitudes(w, &u, &v, u.sign)
                    : subtract_magnitudes(w, &v, &u, v.sign);
 }
 
 tet_dyadic tet_dyadic_mul_long(tet_dyadic_space *w, const tet_dyadic *a, const tet_dyadic *b) {
-  if (a->sign == 0 || b->sign == 0) return tet_dyadic_zero(a->exp + b->exp);
+  if (a->sign == 0 || b->sign == 0)
+    return tet_dyadic_zero(a->exp + b->exp);
   if (a->n > b->n) {
     const tet_dyadic *t = a;
     a = b;
@@ -177,17 +190,19 @@ tet_dyadic tet_dyadic_mul_long(tet_dyadic_space *w, const tet_dyadic *a, const t
     out[i + b->n] = (uint64_t)carry;
   }
   uint32_t n = a->n + b->n;
-  if (out[n - 1] == 0) n--;
+  if (out[n - 1] == 0)
+    n--;
   w->top = out + n;
-  return (tet_dyadic){
-      .limb = out, .n = n, .exp = a->exp + b->exp, .sign = a->sign * b->sign};
+  return (tet_dyadic){.limb = out, .n = n, .exp = a->exp + b->exp, .sign = a->sign * b->sign};
 }
 
 double tet_dyadic_to_double(const tet_dyadic *a) {
-  if (a->sign == 0) return 0.0;
+  if (a->sign == 0)
+    return 0.0;
   int64_t bits = 64 * (int64_t)a->n - __builtin_clzll(a->limb[a->n - 1]);
   int64_t top = bits + a->exp; /* 2^(top-1) <= |value| < 2^top */
-  if (top > 1024) return a->sign * (double)INFINITY;
+  if (top > 1024)
+    return a->sign * (double)INFINITY;
   /* Keep 53 bits, or as many as lie above the last place of the denormals. */
   int64_t last = top - 53 > -1074 ? top - 53 : -1074;
   int64_t drop = last - a->exp; /* the places below it */
@@ -196,12 +211,15 @@ double tet_dyadic_to_double(const tet_dyadic *a) {
     m = a->limb[0] << -drop;
   } else if (drop <= bits) {
     uint64_t whole = (uint64_t)drop / 64, bit = (uint64_t)drop % 64;
-    if (whole < a->n) m = a->limb[whole] >> bit;
-    if (bit != 0 && whole + 1 < a->n) m |= a->limb[whole + 1] << (64 - bit);
+    if (whole < a->n)
+      m = a->limb[whole] >> bit;
+    if (bit != 0 && whole + 1 < a->n)
+      m |= a->limb[whole + 1] << (64 - bit);
     uint64_t half = (uint64_t)drop - 1;
     int up = (int)(a->limb[half / 64] >> (half % 64) & 1);
     int rest = (a->limb[half / 64] & ((UINT64_C(1) << (half % 64)) - 1)) != 0;
-    for (uint64_t i = 0; i < half / 64 && !rest; i++) rest = a->limb[i] != 0;
+    for (uint64_t i = 0; i < half / 64 && !rest; i++)
+      rest = a->limb[i] != 0;
     m += (uint64_t)(up && (rest || (m & 1)));
   } /* else less than half of the least denormal */
   /* The leading bit of m, where it has all 53, adds one to the exponent field; so

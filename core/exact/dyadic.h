@@ -42,7 +42,9 @@ typedef struct tet_dyadic_space {
 } tet_dyadic_space;
 
 /** Must be called once before use; touches one word. */
-static inline void tet_dyadic_begin(tet_dyadic_space *w) { w->top = w->limb; }
+static inline void tet_dyadic_begin(tet_dyadic_space *w) {
+  w->top = w->limb;
+}
 
 /** The parts of a finite double: x = sign * mantissa * 2^exp with an odd mantissa.
  * Returns the sign; 0 leaves mantissa 0 and exp 0. */
@@ -74,7 +76,8 @@ static inline tet_dyadic tet_dyadic_neg(tet_dyadic a) {
 
 /** a b, with exponent a.exp + b.exp. */
 static inline tet_dyadic tet_dyadic_mul(tet_dyadic_space *w, tet_dyadic a, tet_dyadic b) {
-  if (a.n != 1 || b.n != 1) return tet_dyadic_mul_long(w, &a, &b);
+  if (a.n != 1 || b.n != 1)
+    return tet_dyadic_mul_long(w, &a, &b);
   tet_uint128 r = (tet_uint128)a.limb[0] * b.limb[0];
   uint64_t *out = w->top, high = (uint64_t)(r >> 64);
   out[0] = (uint64_t)r;

@@ -28,10 +28,10 @@ static inline tet_point_ref tet_ref_xyz(const double *x) {
 }
 
 static inline tet_point_ref tet_ref(const tet_points *p, uint32_t v) {
-  if (!tet_is_implicit(p, v)) return tet_ref_xyz(p->x + 3 * (size_t)v);
+  if (!tet_is_implicit(p, v))
+    return tet_ref_xyz(p->x + 3 * (size_t)v);
   const tet_segment_point *s = p->implicit + (v - p->first_implicit);
-  return (tet_point_ref){
-      .a = p->x + 3 * (size_t)s->a, .b = p->x + 3 * (size_t)s->b, .t = s->t};
+  return (tet_point_ref){.a = p->x + 3 * (size_t)s->a, .b = p->x + 3 * (size_t)s->b, .t = s->t};
 }
 
 /** The greatest exponent at which all given coordinates are integers. */

@@ -19,9 +19,11 @@ static void translate(space *w, const tet_point_ref *point, int count, int origi
   int32_t exp = tet_common_exponent(point, count);
   tet_dyadic_point o = tet_exact_point(w, &point[origin], exp);
   for (int i = 0, row = 0; i < count; i++) {
-    if (i == origin) continue;
+    if (i == origin)
+      continue;
     tet_dyadic_point q = tet_exact_point(w, &point[i], exp);
-    for (int k = 0; k < 3; k++) rows[row].x[k] = SUB(q.x[k], o.x[k]);
+    for (int k = 0; k < 3; k++)
+      rows[row].x[k] = SUB(q.x[k], o.x[k]);
     row++;
   }
 }
@@ -29,7 +31,8 @@ static void translate(space *w, const tet_point_ref *point, int count, int origi
 /* An explicit point, so that fewer rows grow by its length; else the first. */
 static int best_origin(const tet_point_ref *point, int count) {
   for (int i = 0; i < count; i++) {
-    if (!point[i].b) return i;
+    if (!point[i].b)
+      return i;
   }
   return 0;
 }

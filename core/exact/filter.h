@@ -30,7 +30,7 @@
 _Static_assert(FLT_EVAL_METHOD == 0, "filters need plain double arithmetic");
 
 #define TET_FILTER_LEAST 0x1p-500
-/* The limit on lengths where the degree is 5 or 6, as a square. */
+/* The limit on lengths where the degree is 5 or 6, as the sum of their squares. */
 #define TET_FILTER_SQUARE_LIMIT 0x1p200
 
 #define TET_FILTER_UNIT 0x1p-53
@@ -55,8 +55,10 @@ static inline double tet_orient3d_value(const double *d) {
 }
 
 /* The majorants share the inner products with the values: |x y| = |x| |y|, rounded or
- * not, so the compiler forms them once. */
-static inline double tet_orient3d_majorant(const double *d) {
+ * not, so the compiler forms them once. They also give the sum of the squared lengths
+ * of the rows where the degree, 5 or 6, makes a limit on them necessary; else 0. */
+static inline double tet_orient3d_majorant(const double *d, double *ret_squares) {
+  *ret_squares = 0;
   return fabs(d[2]) * (fabs(d[3] * d[7]) + fabs(d[4] * d[6])) +
          fabs(d[5]) * (fabs(d[0] * d[7]) + fabs(d[1] * d[6])) +
          fabs(d[8]) * (fabs(d[0] * d[4]) + fabs(d[1] * d[3]));
@@ -79,7 +81,7 @@ static inline double tet_insphere_value(const double *d) {
          (tet_square(d + 6) * d2 - tet_square(d + 9) * d3);
 }
 
-static inline double tet_insphere_majorant(const double *d) {
+static inline double tet_insphere_majorant(const double *d, double *ret_squares) {
   double m01 = fabs(d[0] * d[4]) + fabs(d[1] * d[3]);
   double m02 = fabs(d[0] * d[7]) + fabs(d[1] * d[6]);
   double m03 = fabs(d[0] * d[10]) + fabs(d[1] * d[9]);
@@ -91,13 +93,18 @@ static inline double tet_insphere_majorant(const double *d) {
   double d1 = z0 * m23 + z2 * m03 + z3 * m02;
   double d2 = z0 * m13 + z1 * m03 + z3 * m01;
   double d3 = z0 * m12 + z1 * m02 + z2 * m01;
-  return (tet_square(d) * d0 + tet_square(d + 3) * d1) +
-         (tet_square(d + 6) * d2 + tet_square(d + 9) * d3);
+  double s0 = tet_square(d), s1 = tet_square(d + 3);
+  double s2 = tet_square(d + 6), s3 = tet_square(d + 9);
+  *ret_squares = (s0 + s1) + (s2 + s3);
+  return (s0 * d0 + s1 * d1) + (s2 * d2 + s3 * d3);
 }
 
-static inline double tet_orient2d_value(const double *d) { return d[0] * d[3] - d[1] * d[2]; }
+static inline double tet_orient2d_value(const double *d) {
+  return d[0] * d[3] - d[1] * d[2];
+}
 
-static inline double tet_orient2d_majorant(const double *d) {
+static inline double tet_orient2d_majorant(const double *d, double *ret_squares) {
+  *ret_squares = 0;
   return fabs(d[0] * d[3]) + fabs(d[1] * d[2]);
 }
 
@@ -109,15 +116,21 @@ static inline double tet_dot3_majorant(const double *a, const double *b) {
   return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
 }
 
-static inline double tet_dot_value(const double *d) { return tet_dot3(d, d + 3); }
+static inline double tet_dot_value(const double *d) {
+  return tet_dot3(d, d + 3);
+}
 
-static inline double tet_dot_majorant(const double *d) { return tet_dot3_majorant(d, d + 3); }
+static inline double tet_dot_majorant(const double *d, double *ret_squares) {
+  *ret_squares = 0;
+  return tet_dot3_majorant(d, d + 3);
+}
 
 static inline double tet_compare_distance_value(const double *d) {
   return tet_square(d) - tet_square(d + 3);
 }
 
-static inline double tet_compare_distance_majorant(const double *d) {
+static inline double tet_compare_distance_majorant(const double *d, double *ret_squares) {
+  *ret_squares = 0;
   return tet_square(d) + tet_square(d + 3);
 }
 
@@ -128,37 +141,34 @@ static inline double tet_ball3_value(const double *d) {
   return uu * (vv * uw - uv * vw) + vv * (uu * vw - uv * uw) - ww * (uu * vv - uv * uv);
 }
 
-static inline double tet_ball3_majorant(const double *d) {
+static inline double tet_ball3_majorant(const double *d, double *ret_squares) {
   double uu = tet_square(d), vv = tet_square(d + 3), ww = tet_square(d + 6);
   double uv = tet_dot3_majorant(d, d + 3), uw = tet_dot3_majorant(d, d + 6);
   double vw = tet_dot3_majorant(d + 3, d + 6);
+  *ret_squares = uu + vv + ww;
   return uu * (vv * uw + uv * vw) + vv * (uu * vw + uv * uw) + ww * (uu * vv + uv * uv);
 }
 
 typedef double (*tet_polynomial)(const double *differences);
+typedef double (*tet_majorant)(const double *differences, double *ret_squares);
 
-/* The sign of `value`, or 0 for "cannot tell". `n` differences d with radii r (NULL:
- * all points are explicit); `square_limit` bounds the squared length of the longest
- * row and is 0 where the degree needs no such limit. The polynomials are constants
- * at every call and get inlined. */
+/* The sign of `value`, or 0 for "cannot tell", from `n` differences d with radii r (NULL:
+ * all points are explicit). The functions and numbers are constants at every call and
+ * the whole gets inlined. */
 static inline __attribute__((always_inline)) int tet_filter(tet_polynomial value,
-                                                            tet_polynomial majorant,
-                                                            const double *d, const double *r,
-                                                            int n, int k,
-                                                            double square_limit) {
-  double least = majorant(d), bound = TET_FILTER_EXPLICIT(k) * least, squares = 0;
+                                                            tet_majorant majorant, const double *d,
+                                                            const double *r, int n, int k) {
+  double squares, least = majorant(d, &squares), bound = TET_FILTER_EXPLICIT(k) * least;
   if (r) {
     double big[12] = {0};
-    for (int i = 0; i < n; i++) big[i] = fabs(d[i]) + r[i];
-    double moved = majorant(big);
+    for (int i = 0; i < n; i++)
+      big[i] = fabs(d[i]) + r[i];
+    double moved = majorant(big, &squares);
     bound = (moved - least) + TET_FILTER_IMPLICIT(k) * moved;
-    for (int i = 0; i < n / 3; i++) squares += tet_square(big + 3 * i);
-  } else {
-    for (int i = 0; i < n / 3; i++) squares += tet_square(d + 3 * i);
   }
-  if (square_limit > 0 && !(squares < square_limit)) return 0;
   double p = value(d);
-  if (!(least > TET_FILTER_LEAST)) return 0;
+  if (!(least > TET_FILTER_LEAST) || !(squares < TET_FILTER_SQUARE_LIMIT))
+    return 0;
   return (p > bound) - (p < -bound);
 }
 

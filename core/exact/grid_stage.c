@@ -21,7 +21,9 @@ enum { MOST_LIMBS = 12, MOST_POINTS = 5, MOST_ROWS = 4 * 3 * 2 };
 /* Two's complement numbers, the lowest limb first. All widths are constants once
  * inlined. */
 
-INLINE int is_negative(const uint64_t *a, int n) { return (int64_t)a[n - 1] < 0; }
+INLINE int is_negative(const uint64_t *a, int n) {
+  return (int64_t)a[n - 1] < 0;
+}
 
 /* out -= a, both of n limbs. */
 INLINE void subtract(uint64_t *out, const uint64_t *a, int n) {
@@ -44,7 +46,8 @@ INLINE void add(uint64_t *out, const uint64_t *a, int n) {
 
 /* out = a b, of na + nb limbs: the product of the patterns, less what the signs add. */
 INLINE void multiply(uint64_t *out, const uint64_t *a, int na, const uint64_t *b, int nb) {
-  for (int i = 0; i < na + nb; i++) out[i] = 0;
+  for (int i = 0; i < na + nb; i++)
+    out[i] = 0;
   for (int i = 0; i < na; i++) {
     uint64_t carry = 0;
     for (int j = 0; j < nb; j++) {
@@ -56,17 +59,21 @@ INLINE void multiply(uint64_t *out, const uint64_t *a, int na, const uint64_t *b
   }
   uint64_t masked[MOST_LIMBS];
   uint64_t a_negative = 0 - (uint64_t)is_negative(a, na);
-  for (int i = 0; i < nb; i++) masked[i] = b[i] & a_negative;
+  for (int i = 0; i < nb; i++)
+    masked[i] = b[i] & a_negative;
   subtract(out + na, masked, nb);
   uint64_t b_negative = 0 - (uint64_t)is_negative(b, nb);
-  for (int i = 0; i < na; i++) masked[i] = a[i] & b_negative;
+  for (int i = 0; i < na; i++)
+    masked[i] = a[i] & b_negative;
   subtract(out + nb, masked, na);
 }
 
 INLINE int sign_of(const uint64_t *a, int n) {
-  if (is_negative(a, n)) return -1;
+  if (is_negative(a, n))
+    return -1;
   uint64_t any = 0;
-  for (int i = 0; i < n; i++) any |= a[i];
+  for (int i = 0; i < n; i++)
+    any |= a[i];
   return any != 0;
 }
 
@@ -217,9 +224,11 @@ INLINE double grid_scale(const tet_point_ref *point, int count) {
   double most = 0x1p-900;
   for (int i = 0; i < count; i++) {
     most = largest(point[i].a, most);
-    if (point[i].b) most = largest(point[i].b, most);
+    if (point[i].b)
+      most = largest(point[i].b, most);
   }
-  if (!(most < 0x1p900)) return 0;
+  if (!(most < 0x1p900))
+    return 0;
   union {
     double x;
     uint64_t bits;
@@ -244,11 +253,14 @@ INLINE int to_grid(const double *x, double scale, int64_t out[3]) {
 INLINE int parameter_shift(const tet_point_ref *point, int count) {
   int most = 0;
   for (int i = 0; i < count; i++) {
-    if (!point[i].b) continue;
+    if (!point[i].b)
+      continue;
     uint64_t m;
     int32_t e;
-    if (tet_double_parts(point[i].t, &m, &e) <= 0 || point[i].t >= 1) return -1;
-    if (-e > most) most = -e;
+    if (tet_double_parts(point[i].t, &m, &e) <= 0 || point[i].t >= 1)
+      return -1;
+    if (-e > most)
+      most = -e;
   }
   return most <= PARAMETER_BITS ? most : -1;
 }
@@ -258,11 +270,15 @@ INLINE int explicit_rows(const tet_point_ref *point, int count, int origin, uint
   double scale = grid_scale(point, count);
   int64_t q[MOST_POINTS][3];
   int exact = scale != 0;
-  for (int i = 0; i < count; i++) exact &= to_grid(point[i].a, scale, q[i]);
-  if (!exact) return 0;
+  for (int i = 0; i < count; i++)
+    exact &= to_grid(point[i].a, scale, q[i]);
+  if (!exact)
+    return 0;
   for (int i = 0; i < count; i++) {
-    if (i == origin) continue;
-    for (int k = 0; k < 3; k++) *rows++ = (uint64_t)(q[i][k] - q[origin][k]);
+    if (i == origin)
+      continue;
+    for (int k = 0; k < 3; k++)
+      *rows++ = (uint64_t)(q[i][k] - q[origin][k]);
   }
   return 1;
 }
@@ -271,22 +287,27 @@ INLINE int explicit_rows(const tet_point_ref *point, int count, int origin, uint
 INLINE int implicit_rows(const tet_point_ref *point, int count, int origin, uint64_t *rows) {
   double scale = grid_scale(point, count);
   int shift = parameter_shift(point, count);
-  if (scale == 0 || shift < 0) return 0;
+  if (scale == 0 || shift < 0)
+    return 0;
   int128 q[MOST_POINTS][3];
   for (int i = 0; i < count; i++) {
     int64_t a[3], b[3], t = 0;
-    if (!to_grid(point[i].a, scale, a)) return 0;
+    if (!to_grid(point[i].a, scale, a))
+      return 0;
     if (point[i].b) {
-      if (!to_grid(point[i].b, scale, b)) return 0;
+      if (!to_grid(point[i].b, scale, b))
+        return 0;
       t = (int64_t)(point[i].t * power_of_two(shift)); /* exact, < 2^63 */
     }
     for (int k = 0; k < 3; k++) {
       q[i][k] = (int128)a[k] * ((int128)1 << shift);
-      if (point[i].b) q[i][k] += (int128)t * (b[k] - a[k]);
+      if (point[i].b)
+        q[i][k] += (int128)t * (b[k] - a[k]);
     }
   }
   for (int i = 0; i < count; i++) {
-    if (i == origin) continue;
+    if (i == origin)
+      continue;
     for (int k = 0; k < 3; k++) {
       int128 d = q[i][k] - q[origin][k];
       *rows++ = (uint64_t)d;
@@ -300,49 +321,57 @@ INLINE int implicit_rows(const tet_point_ref *point, int count, int origin, uint
  * coordinate, 1 or 2; 0 for points that do not fit. */
 INLINE int make_rows(const tet_point_ref *point, int count, int origin, uint64_t *rows) {
   int any_implicit = 0;
-  for (int i = 0; i < count; i++) any_implicit |= point[i].b != 0;
-  if (any_implicit) return implicit_rows(point, count, origin, rows) ? 2 : 0;
+  for (int i = 0; i < count; i++)
+    any_implicit |= point[i].b != 0;
+  if (any_implicit)
+    return implicit_rows(point, count, origin, rows) ? 2 : 0;
   return explicit_rows(point, count, origin, rows) ? 1 : 0;
 }
 
 int tet_grid_orient3d(const tet_point_ref point[4], int *ret_sign) {
   uint64_t rows[MOST_ROWS];
   int limbs = make_rows(point, 4, 0, rows);
-  if (limbs) *ret_sign = limbs == 1 ? orient3d(rows, 1) : orient3d(rows, 2);
+  if (limbs)
+    *ret_sign = limbs == 1 ? orient3d(rows, 1) : orient3d(rows, 2);
   return limbs;
 }
 
 int tet_grid_insphere(const tet_point_ref point[5], int *ret_sign) {
   uint64_t rows[MOST_ROWS];
   int limbs = make_rows(point, 5, 4, rows);
-  if (limbs) *ret_sign = limbs == 1 ? insphere(rows, 1) : insphere(rows, 2);
+  if (limbs)
+    *ret_sign = limbs == 1 ? insphere(rows, 1) : insphere(rows, 2);
   return limbs;
 }
 
 int tet_grid_orient2d(int axis, const tet_point_ref point[3], int *ret_sign) {
   uint64_t rows[MOST_ROWS];
   int limbs = make_rows(point, 3, 0, rows);
-  if (limbs) *ret_sign = limbs == 1 ? orient2d(rows, axis, 1) : orient2d(rows, axis, 2);
+  if (limbs)
+    *ret_sign = limbs == 1 ? orient2d(rows, axis, 1) : orient2d(rows, axis, 2);
   return limbs;
 }
 
 int tet_grid_dot_sign(const tet_point_ref point[3], int *ret_sign) {
   uint64_t rows[MOST_ROWS];
   int limbs = make_rows(point, 3, 2, rows);
-  if (limbs) *ret_sign = limbs == 1 ? dot_sign(rows, 1) : dot_sign(rows, 2);
+  if (limbs)
+    *ret_sign = limbs == 1 ? dot_sign(rows, 1) : dot_sign(rows, 2);
   return limbs;
 }
 
 int tet_grid_compare_distance(const tet_point_ref point[3], int *ret_sign) {
   uint64_t rows[MOST_ROWS];
   int limbs = make_rows(point, 3, 0, rows);
-  if (limbs) *ret_sign = limbs == 1 ? compare_distance(rows, 1) : compare_distance(rows, 2);
+  if (limbs)
+    *ret_sign = limbs == 1 ? compare_distance(rows, 1) : compare_distance(rows, 2);
   return limbs;
 }
 
 int tet_grid_diametric_ball3(const tet_point_ref point[4], int *ret_sign) {
   uint64_t rows[MOST_ROWS];
   int limbs = make_rows(point, 4, 0, rows);
-  if (limbs) *ret_sign = limbs == 1 ? diametric_ball3(rows, 1) : diametric_ball3(rows, 2);
+  if (limbs)
+    *ret_sign = limbs == 1 ? diametric_ball3(rows, 1) : diametric_ball3(rows, 2);
   return limbs;
 }

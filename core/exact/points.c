@@ -10,7 +10,8 @@ static int32_t least_exponent(const double *x, int32_t least) {
   for (int k = 0; k < 3; k++) {
     uint64_t m;
     int32_t e;
-    if (tet_double_parts(x[k], &m, &e) != 0 && e < least) least = e;
+    if (tet_double_parts(x[k], &m, &e) != 0 && e < least)
+      least = e;
   }
   return least;
 }
@@ -19,16 +20,17 @@ int32_t tet_common_exponent(const tet_point_ref *points, int count) {
   int32_t least = INT_MAX;
   for (int i = 0; i < count; i++) {
     least = least_exponent(points[i].a, least);
-    if (points[i].b) least = least_exponent(points[i].b, least);
+    if (points[i].b)
+      least = least_exponent(points[i].b, least);
   }
   return least == INT_MAX ? 0 : least;
 }
 
 /* a + t (b - a) with a and b at the exponent `exp`. */
-static tet_dyadic interpolate(tet_dyadic_space *w, double a, double b, tet_dyadic t,
-                              int32_t exp) {
+static tet_dyadic interpolate(tet_dyadic_space *w, double a, double b, tet_dyadic t, int32_t exp) {
   tet_dyadic from = tet_dyadic_from_double(w, a, exp);
-  if (a == b) return tet_dyadic_add(w, from, tet_dyadic_zero(exp + t.exp));
+  if (a == b)
+    return tet_dyadic_add(w, from, tet_dyadic_zero(exp + t.exp));
   tet_dyadic step = tet_dyadic_sub(w, tet_dyadic_from_double(w, b, exp), from);
   return tet_dyadic_add(w, from, tet_dyadic_mul(w, t, step));
 }
@@ -36,19 +38,20 @@ static tet_dyadic interpolate(tet_dyadic_space *w, double a, double b, tet_dyadi
 tet_dyadic_point tet_exact_point(tet_dyadic_space *w, const tet_point_ref *point, int32_t exp) {
   tet_dyadic_point r;
   if (!point->b) {
-    for (int k = 0; k < 3; k++) r.x[k] = tet_dyadic_from_double(w, point->a[k], exp);
+    for (int k = 0; k < 3; k++)
+      r.x[k] = tet_dyadic_from_double(w, point->a[k], exp);
     return r;
   }
   tet_dyadic t = tet_dyadic_from_double_reduced(w, point->t);
-  for (int k = 0; k < 3; k++) r.x[k] = interpolate(w, point->a[k], point->b[k], t, exp);
+  for (int k = 0; k < 3; k++)
+    r.x[k] = interpolate(w, point->a[k], point->b[k], t, exp);
   return r;
 }
 
 void tet_segment_point_round(const tet_points *p, const tet_segment_point *s, double out[3]) {
   tet_dyadic_space w;
   tet_dyadic_begin(&w);
-  tet_point_ref ref = {
-      .a = p->x + 3 * (size_t)s->a, .b = p->x + 3 * (size_t)s->b, .t = s->t};
+  tet_point_ref ref = {.a = p->x + 3 * (size_t)s->a, .b = p->x + 3 * (size_t)s->b, .t = s->t};
   tet_dyadic t = tet_dyadic_from_double_reduced(&w, ref.t);
   for (int k = 0; k < 3; k++) {
     if (ref.a[k] == ref.b[k]) {
@@ -58,8 +61,10 @@ void tet_segment_point_round(const tet_points *p, const tet_segment_point *s, do
     int32_t least = INT_MAX;
     uint64_t m;
     int32_t e;
-    if (tet_double_parts(ref.a[k], &m, &e) != 0) least = e;
-    if (tet_double_parts(ref.b[k], &m, &e) != 0 && e < least) least = e;
+    if (tet_double_parts(ref.a[k], &m, &e) != 0)
+      least = e;
+    if (tet_double_parts(ref.b[k], &m, &e) != 0 && e < least)
+      least = e;
     tet_dyadic x = interpolate(&w, ref.a[k], ref.b[k], t, least);
     out[k] = tet_dyadic_to_double(&x);
   }

@@ -25,18 +25,17 @@ typedef struct tet_segment_point {
  * is implicit[v - first_implicit]. Where there is none, first_implicit is n or
  * more (UINT32_MAX serves) and `implicit` may be NULL. */
 typedef struct tet_points {
-  double *x;               /* 3 per vertex; for an implicit one what tet_segment_point_round gives */
-  uint32_t n;              /* vertices */
+  double *x;  /* 3 per vertex; for an implicit one what tet_segment_point_round gives */
+  uint32_t n; /* vertices */
   uint32_t first_implicit; /* the first implicit vertex */
   tet_segment_point *implicit;
-  double max_abs;          /* at least the largest |coordinate| of all vertices */
+  double max_abs; /* at least the largest |coordinate| of all vertices */
 } tet_points;
 
 /** The doubles that stand for an implicit point in p->x: each coordinate is the
  * double nearest to the exact a + t (b - a), ties to even. Deterministic. Reads
  * the coordinates of s->a and s->b alone. */
-void tet_segment_point_round(const tet_points *p, const tet_segment_point *s,
-                             double out[3]);
+void tet_segment_point_round(const tet_points *p, const tet_segment_point *s, double out[3]);
 
 static inline int tet_is_implicit(const tet_points *p, uint32_t v) {
   return v >= p->first_implicit;

@@ -9,20 +9,22 @@
 #include "exact/filter.h"
 #include "exact/grid_stage.h"
 
-static const double *xyz(const tet_points *p, uint32_t v) { return p->x + 3 * (size_t)v; }
-
-static inline void subtract(const double *a, const double *b, double *d) {
-  for (int k = 0; k < 3; k++) d[k] = a[k] - b[k];
+static const double *xyz(const tet_points *p, uint32_t v) {
+  return p->x + 3 * (size_t)v;
 }
 
-static inline int any_implicit(const tet_points *p, const uint32_t *v, int n) {
-  int any = 0;
-  for (int i = 0; i < n; i++) any |= tet_is_implicit(p, v[i]);
-  return any;
+static inline void subtract(const double *a, const double *b, double *d) {
+  for (int k = 0; k < 3; k++)
+    d[k] = a[k] - b[k];
+}
+
+static inline uint32_t later(uint32_t v, uint32_t w) {
+  return v > w ? v : w;
 }
 
 static inline void make_refs(const tet_points *p, const uint32_t *v, int n, tet_point_ref *ref) {
-  for (int i = 0; i < n; i++) ref[i] = tet_ref(p, v[i]);
+  for (int i = 0; i < n; i++)
+    ref[i] = tet_ref(p, v[i]);
 }
 
 /* orient3d */
@@ -33,10 +35,10 @@ static int orient3d_exact(const tet_point_ref point[4]) {
 }
 
 static __attribute__((noinline)) int orient3d_explicit_exact(const double *a, const double *b,
-                                                             const double *c,
-                                                             const double *d) {
+                                                             const double *c, const double *d) {
   for (int k = 0; k < 3; k++) { /* in an axis plane, as often in made-up models */
-    if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) return 0;
+    if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k])
+      return 0;
   }
   tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
   return orient3d_exact(ref);
@@ -47,26 +49,27 @@ int tet_orient3d_xyz(const double *a, const double *b, const double *c, const do
   subtract(b, a, e);
   subtract(c, a, e + 3);
   subtract(d, a, e + 6);
-  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, e, 0, 9,
-                        TET_ROUNDINGS_ORIENT3D, 0);
+  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, e, 0, 9, TET_ROUNDINGS_ORIENT3D);
   return sign ? sign : orient3d_explicit_exact(a, b, c, d);
 }
 
-static __attribute__((noinline)) int orient3d_implicit(const tet_points *p,
-                                                       const uint32_t v[4]) {
+static __attribute__((noinline)) int orient3d_implicit(const tet_points *p, const uint32_t v[4]) {
   double d[9], r[9];
-  for (int i = 0; i < 3; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
-  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, d, r, 9,
-                        TET_ROUNDINGS_ORIENT3D, 0);
-  if (sign) return sign;
+  for (int i = 0; i < 3; i++)
+    tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, d, r, 9, TET_ROUNDINGS_ORIENT3D);
+  if (sign)
+    return sign;
   tet_point_ref ref[4];
   make_refs(p, v, 4, ref);
   return orient3d_exact(ref);
 }
 
 int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  const uint32_t v[4] = {a, b, c, d};
-  if (any_implicit(p, v, 4)) return orient3d_implicit(p, v);
+  if (tet_is_implicit(p, later(later(a, b), later(c, d)))) {
+    const uint32_t v[4] = {a, b, c, d};
+    return orient3d_implicit(p, v);
+  }
   return tet_orient3d_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
 }
 
@@ -92,27 +95,29 @@ int tet_insphere_xyz(const double *a, const double *b, const double *c, const do
   subtract(b, e, f + 3);
   subtract(c, e, f + 6);
   subtract(d, e, f + 9);
-  int sign = tet_filter(tet_insphere_value, tet_insphere_majorant, f, 0, 12,
-                        TET_ROUNDINGS_INSPHERE, TET_FILTER_SQUARE_LIMIT);
+  int sign =
+      tet_filter(tet_insphere_value, tet_insphere_majorant, f, 0, 12, TET_ROUNDINGS_INSPHERE);
   return sign ? sign : insphere_explicit_exact(a, b, c, d, e);
 }
 
-static __attribute__((noinline)) int insphere_implicit(const tet_points *p,
-                                                       const uint32_t v[5]) {
+static __attribute__((noinline)) int insphere_implicit(const tet_points *p, const uint32_t v[5]) {
   double d[12], r[12];
-  for (int i = 0; i < 4; i++) tet_difference(p, v[i], v[4], d + 3 * i, r + 3 * i);
-  int sign = tet_filter(tet_insphere_value, tet_insphere_majorant, d, r, 12,
-                        TET_ROUNDINGS_INSPHERE, TET_FILTER_SQUARE_LIMIT);
-  if (sign) return sign;
+  for (int i = 0; i < 4; i++)
+    tet_difference(p, v[i], v[4], d + 3 * i, r + 3 * i);
+  int sign =
+      tet_filter(tet_insphere_value, tet_insphere_majorant, d, r, 12, TET_ROUNDINGS_INSPHERE);
+  if (sign)
+    return sign;
   tet_point_ref ref[5];
   make_refs(p, v, 5, ref);
   return insphere_exact(ref);
 }
 
-int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
-                 uint32_t e) {
-  const uint32_t v[5] = {a, b, c, d, e};
-  if (any_implicit(p, v, 5)) return insphere_implicit(p, v);
+int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d, uint32_t e) {
+  if (tet_is_implicit(p, later(later(later(a, b), later(c, d)), e))) {
+    const uint32_t v[5] = {a, b, c, d, e};
+    return insphere_implicit(p, v);
+  }
   return tet_insphere_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e));
 }
 
@@ -131,13 +136,15 @@ static __attribute__((noinline)) int insphere_tie(const tet_points *p, const uin
     }
   }
   for (int i = 1; i < 5; i++) {
-    if (v[order[i - 1]] == v[order[i]]) return 0;
+    if (v[order[i - 1]] == v[order[i]])
+      return 0;
   }
   for (int i = 0; i < 5; i++) {
     uint32_t q[5] = {v[0], v[1], v[2], v[3], v[4]};
     q[order[i]] = v[4];
     int sign = tet_orient3d(p, q[0], q[1], q[2], q[3]);
-    if (sign) return order[i] == 4 ? -sign : sign;
+    if (sign)
+      return order[i] == 4 ? -sign : sign;
   }
   return 0;
 }
@@ -145,7 +152,8 @@ static __attribute__((noinline)) int insphere_tie(const tet_points *p, const uin
 int tet_insphere_sos(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
                      uint32_t e) {
   int sign = tet_insphere(p, a, b, c, d, e);
-  if (sign) return sign;
+  if (sign)
+    return sign;
   const uint32_t v[5] = {a, b, c, d, e};
   return insphere_tie(p, v);
 }
@@ -160,11 +168,12 @@ static int orient2d_exact(int axis, const tet_point_ref point[3]) {
 int tet_orient2d_xyz(int axis, const double *a, const double *b, const double *c) {
   int i = (axis + 1) % 3, j = (axis + 2) % 3;
   double d[4] = {b[i] - a[i], b[j] - a[j], c[i] - a[i], c[j] - a[j]};
-  int sign = tet_filter(tet_orient2d_value, tet_orient2d_majorant, d, 0, 4,
-                        TET_ROUNDINGS_ORIENT2D, 0);
-  if (sign) return sign;
+  int sign = tet_filter(tet_orient2d_value, tet_orient2d_majorant, d, 0, 4, TET_ROUNDINGS_ORIENT2D);
+  if (sign)
+    return sign;
   /* Two axis-parallel sides, or coincident points: differences are zero only exactly. */
-  if ((d[0] == 0 || d[3] == 0) && (d[1] == 0 || d[2] == 0)) return 0;
+  if ((d[0] == 0 || d[3] == 0) && (d[1] == 0 || d[2] == 0))
+    return 0;
   tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
   return orient2d_exact(axis, ref);
 }
@@ -172,34 +181,40 @@ int tet_orient2d_xyz(int axis, const double *a, const double *b, const double *c
 static __attribute__((noinline)) int orient2d_implicit(const tet_points *p, int axis,
                                                        const uint32_t v[3]) {
   double d[6], r[6];
-  for (int i = 0; i < 2; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  for (int i = 0; i < 2; i++)
+    tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
   int i = (axis + 1) % 3, j = (axis + 2) % 3;
   double plane_d[4] = {d[i], d[j], d[3 + i], d[3 + j]};
   double plane_r[4] = {r[i], r[j], r[3 + i], r[3 + j]};
   int sign = tet_filter(tet_orient2d_value, tet_orient2d_majorant, plane_d, plane_r, 4,
-                        TET_ROUNDINGS_ORIENT2D, 0);
-  if (sign) return sign;
+                        TET_ROUNDINGS_ORIENT2D);
+  if (sign)
+    return sign;
   tet_point_ref ref[3];
   make_refs(p, v, 3, ref);
   return orient2d_exact(axis, ref);
 }
 
 int tet_orient2d(const tet_points *p, int axis, uint32_t a, uint32_t b, uint32_t c) {
-  const uint32_t v[3] = {a, b, c};
-  if (any_implicit(p, v, 3)) return orient2d_implicit(p, axis, v);
+  if (tet_is_implicit(p, later(later(a, b), c))) {
+    const uint32_t v[3] = {a, b, c};
+    return orient2d_implicit(p, axis, v);
+  }
   return tet_orient2d_xyz(axis, xyz(p, a), xyz(p, b), xyz(p, c));
 }
 
 int tet_collinear_xyz(const double *a, const double *b, const double *c) {
   for (int axis = 0; axis < 3; axis++) {
-    if (tet_orient2d_xyz(axis, a, b, c)) return 0;
+    if (tet_orient2d_xyz(axis, a, b, c))
+      return 0;
   }
   return 1;
 }
 
 int tet_collinear(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
   for (int axis = 0; axis < 3; axis++) {
-    if (tet_orient2d(p, axis, a, b, c)) return 0;
+    if (tet_orient2d(p, axis, a, b, c))
+      return 0;
   }
   return 1;
 }
@@ -215,26 +230,30 @@ int tet_dot_sign_xyz(const double *a, const double *b, const double *c) {
   double d[6];
   subtract(a, c, d);
   subtract(b, c, d + 3);
-  int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, 0, 6, TET_ROUNDINGS_DOT, 0);
-  if (sign) return sign;
+  int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, 0, 6, TET_ROUNDINGS_DOT);
+  if (sign)
+    return sign;
   tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
   return dot_sign_exact(ref);
 }
 
-static __attribute__((noinline)) int dot_sign_implicit(const tet_points *p,
-                                                       const uint32_t v[3]) {
+static __attribute__((noinline)) int dot_sign_implicit(const tet_points *p, const uint32_t v[3]) {
   double d[6], r[6];
-  for (int i = 0; i < 2; i++) tet_difference(p, v[i], v[2], d + 3 * i, r + 3 * i);
-  int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, r, 6, TET_ROUNDINGS_DOT, 0);
-  if (sign) return sign;
+  for (int i = 0; i < 2; i++)
+    tet_difference(p, v[i], v[2], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, r, 6, TET_ROUNDINGS_DOT);
+  if (sign)
+    return sign;
   tet_point_ref ref[3];
   make_refs(p, v, 3, ref);
   return dot_sign_exact(ref);
 }
 
 int tet_dot_sign(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
-  const uint32_t v[3] = {a, b, c};
-  if (any_implicit(p, v, 3)) return dot_sign_implicit(p, v);
+  if (tet_is_implicit(p, later(later(a, b), c))) {
+    const uint32_t v[3] = {a, b, c};
+    return dot_sign_implicit(p, v);
+  }
   return tet_dot_sign_xyz(xyz(p, a), xyz(p, b), xyz(p, c));
 }
 
@@ -250,8 +269,9 @@ int tet_compare_distance_xyz(const double *a, const double *b, const double *c) 
   subtract(b, a, d);
   subtract(c, a, d + 3);
   int sign = tet_filter(tet_compare_distance_value, tet_compare_distance_majorant, d, 0, 6,
-                        TET_ROUNDINGS_COMPARE_DISTANCE, 0);
-  if (sign) return sign;
+                        TET_ROUNDINGS_COMPARE_DISTANCE);
+  if (sign)
+    return sign;
   tet_point_ref ref[3] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c)};
   return compare_distance_exact(ref);
 }
@@ -259,18 +279,22 @@ int tet_compare_distance_xyz(const double *a, const double *b, const double *c) 
 static __attribute__((noinline)) int compare_distance_implicit(const tet_points *p,
                                                                const uint32_t v[3]) {
   double d[6], r[6];
-  for (int i = 0; i < 2; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  for (int i = 0; i < 2; i++)
+    tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
   int sign = tet_filter(tet_compare_distance_value, tet_compare_distance_majorant, d, r, 6,
-                        TET_ROUNDINGS_COMPARE_DISTANCE, 0);
-  if (sign) return sign;
+                        TET_ROUNDINGS_COMPARE_DISTANCE);
+  if (sign)
+    return sign;
   tet_point_ref ref[3];
   make_refs(p, v, 3, ref);
   return compare_distance_exact(ref);
 }
 
 int tet_compare_distance(const tet_points *p, uint32_t a, uint32_t b, uint32_t c) {
-  const uint32_t v[3] = {a, b, c};
-  if (any_implicit(p, v, 3)) return compare_distance_implicit(p, v);
+  if (tet_is_implicit(p, later(later(a, b), c))) {
+    const uint32_t v[3] = {a, b, c};
+    return compare_distance_implicit(p, v);
+  }
   return tet_compare_distance_xyz(xyz(p, a), xyz(p, b), xyz(p, c));
 }
 
@@ -281,33 +305,34 @@ static int diametric_ball3_exact(const tet_point_ref point[4]) {
   return tet_grid_diametric_ball3(point, &sign) ? sign : tet_exact_diametric_ball3(point);
 }
 
-int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c,
-                               const double *d) {
+int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c, const double *d) {
   double e[9];
   subtract(b, a, e);
   subtract(c, a, e + 3);
   subtract(d, a, e + 6);
-  int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, e, 0, 9, TET_ROUNDINGS_BALL3,
-                        TET_FILTER_SQUARE_LIMIT);
-  if (sign) return sign;
+  int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, e, 0, 9, TET_ROUNDINGS_BALL3);
+  if (sign)
+    return sign;
   tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
   return diametric_ball3_exact(ref);
 }
 
 static __attribute__((noinline)) int ball3_implicit(const tet_points *p, const uint32_t v[4]) {
   double d[9], r[9];
-  for (int i = 0; i < 3; i++) tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
-  int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, d, r, 9, TET_ROUNDINGS_BALL3,
-                        TET_FILTER_SQUARE_LIMIT);
-  if (sign) return sign;
+  for (int i = 0; i < 3; i++)
+    tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
+  int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, d, r, 9, TET_ROUNDINGS_BALL3);
+  if (sign)
+    return sign;
   tet_point_ref ref[4];
   make_refs(p, v, 4, ref);
   return diametric_ball3_exact(ref);
 }
 
-int tet_in_diametric_ball3(const tet_points *p, uint32_t a, uint32_t b, uint32_t c,
-                           uint32_t d) {
-  const uint32_t v[4] = {a, b, c, d};
-  if (any_implicit(p, v, 4)) return ball3_implicit(p, v);
+int tet_in_diametric_ball3(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  if (tet_is_implicit(p, later(later(a, b), later(c, d)))) {
+    const uint32_t v[4] = {a, b, c, d};
+    return ball3_implicit(p, v);
+  }
   return tet_in_diametric_ball3_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
 }

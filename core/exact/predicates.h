@@ -30,8 +30,7 @@ int tet_orient3d_xyz(const double *a, const double *b, const double *c, const do
 
 /** > 0: e is strictly inside the circumsphere of the positive tetrahedron abcd;
  * 0: on it. The sign flips with the orientation of abcd. */
-int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
-                 uint32_t e);
+int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d, uint32_t e);
 int tet_insphere_xyz(const double *a, const double *b, const double *c, const double *d,
                      const double *e);
 
@@ -64,10 +63,8 @@ int tet_compare_distance_xyz(const double *a, const double *b, const double *c);
 /** > 0: d is strictly inside the diametric ball of triangle abc, the ball about
  * the triangle's circumcentre (in its plane) through a, b, c; 0: on its sphere,
  * or the triangle is degenerate; < 0: outside. */
-int tet_in_diametric_ball3(const tet_points *p, uint32_t a, uint32_t b, uint32_t c,
-                           uint32_t d);
-int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c,
-                               const double *d);
+int tet_in_diametric_ball3(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
+int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c, const double *d);
 
 #ifdef __cplusplus
 }

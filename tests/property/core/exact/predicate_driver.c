@@ -25,40 +25,47 @@ typedef struct instance {
 
 static int read_numbers(double *x, int n) {
   for (int i = 0; i < n; i++) {
-    if (scanf("%la", &x[i]) != 1) return 0;
+    if (scanf("%la", &x[i]) != 1)
+      return 0;
   }
   return 1;
 }
 
 /* Explicit vertices first: those given, and the ends of the segments. */
 static int read_instance(instance *c) {
-  if (scanf("%31s %d %d", c->name, &c->axis, &c->count) != 3) return 0;
-  if (c->count < 1 || c->count > MAX_POINTS) exit(2);
+  if (scanf("%31s %d %d", c->name, &c->axis, &c->count) != 3)
+    return 0;
+  if (c->count < 1 || c->count > MAX_POINTS)
+    exit(2);
   uint32_t n = 0, implicit = 0;
   int is_implicit[MAX_POINTS] = {0};
   for (int i = 0; i < c->count; i++) {
     char kind[2];
-    if (scanf("%1s", kind) != 1) exit(2);
+    if (scanf("%1s", kind) != 1)
+      exit(2);
     is_implicit[i] = kind[0] == 'i';
-    if (!read_numbers(c->x + 3 * n, is_implicit[i] ? 6 : 3)) exit(2);
+    if (!read_numbers(c->x + 3 * n, is_implicit[i] ? 6 : 3))
+      exit(2);
     if (is_implicit[i]) {
       tet_segment_point *s = &c->implicit[implicit];
       s->a = n++;
       s->b = n++;
-      if (!read_numbers(&s->t, 1)) exit(2);
+      if (!read_numbers(&s->t, 1))
+        exit(2);
       c->v[i] = implicit++;
     } else {
       c->v[i] = n++;
     }
   }
   c->explicit_only = implicit == 0;
-  c->points = (tet_points){.x = c->x, .n = n + implicit, .first_implicit = n,
-                           .implicit = c->implicit, .max_abs = 0};
+  c->points = (tet_points){
+      .x = c->x, .n = n + implicit, .first_implicit = n, .implicit = c->implicit, .max_abs = 0};
   for (uint32_t i = 0; i < implicit; i++) {
     tet_segment_point_round(&c->points, &c->implicit[i], c->x + 3 * (n + i));
   }
   for (int i = 0; i < c->count; i++) {
-    if (is_implicit[i]) c->v[i] += n;
+    if (is_implicit[i])
+      c->v[i] += n;
   }
   return 1;
 }
@@ -67,7 +74,8 @@ static int evaluate(const instance *c, int *ret_raw) {
   const tet_points *p = &c->points;
   const uint32_t *v = c->v;
   const double *q[MAX_POINTS] = {0};
-  for (int i = 0; i < c->count; i++) q[i] = p->x + 3 * v[i];
+  for (int i = 0; i < c->count; i++)
+    q[i] = p->x + 3 * v[i];
   if (strcmp(c->name, "orient3d") == 0) {
     *ret_raw = tet_orient3d_xyz(q[0], q[1], q[2], q[3]);
     return tet_orient3d(p, v[0], v[1], v[2], v[3]);
@@ -102,13 +110,20 @@ static int evaluate(const instance *c, int *ret_raw) {
 /* 1 where the last stage, asked alone, says the same. */
 static int last_stage_agrees(const instance *c, int sign) {
   tet_point_ref ref[MAX_POINTS];
-  for (int i = 0; i < c->count; i++) ref[i] = tet_ref(&c->points, c->v[i]);
-  if (strcmp(c->name, "orient3d") == 0) return tet_exact_orient3d(ref) == sign;
-  if (strcmp(c->name, "insphere") == 0) return tet_exact_insphere(ref) == sign;
-  if (strcmp(c->name, "orient2d") == 0) return tet_exact_orient2d(c->axis, ref) == sign;
-  if (strcmp(c->name, "dot_sign") == 0) return tet_exact_dot_sign(ref) == sign;
-  if (strcmp(c->name, "compare_distance") == 0) return tet_exact_compare_distance(ref) == sign;
-  if (strcmp(c->name, "in_diametric_ball3") == 0) return tet_exact_diametric_ball3(ref) == sign;
+  for (int i = 0; i < c->count; i++)
+    ref[i] = tet_ref(&c->points, c->v[i]);
+  if (strcmp(c->name, "orient3d") == 0)
+    return tet_exact_orient3d(ref) == sign;
+  if (strcmp(c->name, "insphere") == 0)
+    return tet_exact_insphere(ref) == sign;
+  if (strcmp(c->name, "orient2d") == 0)
+    return tet_exact_orient2d(c->axis, ref) == sign;
+  if (strcmp(c->name, "dot_sign") == 0)
+    return tet_exact_dot_sign(ref) == sign;
+  if (strcmp(c->name, "compare_distance") == 0)
+    return tet_exact_compare_distance(ref) == sign;
+  if (strcmp(c->name, "in_diametric_ball3") == 0)
+    return tet_exact_diametric_ball3(ref) == sign;
   return 1; /* collinear has no stage of its own */
 }
 

@@ -26,11 +26,14 @@ static uint64_t next_random(uint64_t *state) {
 static double any_double(uint64_t *state) {
   for (;;) {
     uint64_t bits = next_random(state);
-    if (next_random(state) % 8 == 0) bits &= ~(UINT64_C(0x7ff) << 52); /* denormal */
-    if (next_random(state) % 16 == 0) bits &= UINT64_C(1) << 63;       /* zero */
+    if (next_random(state) % 8 == 0)
+      bits &= ~(UINT64_C(0x7ff) << 52); /* denormal */
+    if (next_random(state) % 16 == 0)
+      bits &= UINT64_C(1) << 63; /* zero */
     double x;
     memcpy(&x, &bits, sizeof x);
-    if (isfinite(x)) return x;
+    if (isfinite(x))
+      return x;
   }
 }
 
@@ -42,12 +45,14 @@ static double small_integer(uint64_t *state) {
 static int128 to_int128(const tet_dyadic *a) {
   assert_true(a->n <= 2 && a->exp == 0);
   tet_uint128 m = 0;
-  for (uint32_t i = a->n; i-- > 0;) m = m << 64 | a->limb[i];
+  for (uint32_t i = a->n; i-- > 0;)
+    m = m << 64 | a->limb[i];
   return a->sign < 0 ? -(int128)m : (int128)m;
 }
 
 static int is_normal(const tet_dyadic *a) {
-  if (a->sign == 0) return a->n == 0;
+  if (a->sign == 0)
+    return a->n == 0;
   return (a->sign == 1 || a->sign == -1) && a->n > 0 && a->limb[a->n - 1] != 0;
 }
 
@@ -93,7 +98,8 @@ static void test_identities(void **unused) {
       for (uint64_t m = next_random(&state) % 3; m > 0; m--) {
         x[k] = tet_dyadic_mul(&w, x[k], reduced(&w, any_double(&state)));
       }
-      if (i % 2) x[k] = tet_dyadic_add(&w, x[k], reduced(&w, any_double(&state)));
+      if (i % 2)
+        x[k] = tet_dyadic_add(&w, x[k], reduced(&w, any_double(&state)));
     }
     tet_dyadic a = x[0], b = x[1], c = x[2], d = x[3];
     /* (a + b) (c + d) == a c + a d + b c + b d */
@@ -148,10 +154,13 @@ static void check_there_and_back(double x) {
 static void test_conversion(void **unused) {
   (void)unused;
   uint64_t state = 3;
-  const double special[] = {0, -0.0, 1, -1, DBL_MIN, DBL_MAX, -DBL_MAX, DBL_TRUE_MIN,
-                            0x1.fffffffffffffp-1023, 0x1p500, 0x1.8p-1073};
-  for (size_t i = 0; i < sizeof special / sizeof *special; i++) check_there_and_back(special[i]);
-  for (int i = 0; i < 20000; i++) check_there_and_back(any_double(&state));
+  const double special[] = {
+      0,       -0.0,       1, -1, DBL_MIN, DBL_MAX, -DBL_MAX, DBL_TRUE_MIN, 0x1.fffffffffffffp-1023,
+      0x1p500, 0x1.8p-1073};
+  for (size_t i = 0; i < sizeof special / sizeof *special; i++)
+    check_there_and_back(special[i]);
+  for (int i = 0; i < 20000; i++)
+    check_there_and_back(any_double(&state));
 }
 
 /* The sum of two doubles is rounded by the processor as tet_dyadic_to_double does. */

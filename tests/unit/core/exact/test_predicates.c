@@ -39,7 +39,7 @@ static void test_conventions(void **unused) {
   assert_int_equal(tet_insphere(&p, 0, 1, 2, 3, 6), -1);
   assert_int_equal(tet_insphere_sos(&p, 0, 1, 2, 3, 4), 1);
   assert_int_equal(tet_insphere_sos(&p, 0, 1, 2, 3, 5), -1); /* the largest number leaves */
-  for (int axis = 0; axis < 3; axis++) { /* cyclic unit vectors turn left */
+  for (int axis = 0; axis < 3; axis++) {                     /* cyclic unit vectors turn left */
     uint32_t i = 1 + (uint32_t)(axis + 1) % 3, j = 1 + (uint32_t)(axis + 2) % 3;
     assert_int_equal(tet_orient2d(&p, axis, 0, i, j), 1);
     assert_int_equal(tet_orient2d(&p, axis, 0, j, i), -1);
@@ -72,8 +72,8 @@ static void make_tied(tied *t) {
     t->x[3 * i + 1] = i / 3 % 3;
     t->x[3 * i + 2] = i / 9;
   }
-  t->p = (tet_points){.x = t->x, .n = 40, .first_implicit = 27, .implicit = t->implicit,
-                      .max_abs = 2};
+  t->p =
+      (tet_points){.x = t->x, .n = 40, .first_implicit = 27, .implicit = t->implicit, .max_abs = 2};
   for (uint32_t i = 0; i < 13; i++) { /* through the centre; half of them at a third */
     t->implicit[i] = (tet_segment_point){i, 26 - i, i % 2 ? 1.0 / 3 : 0.25};
     tet_segment_point_round(&t->p, &t->implicit[i], t->x + 3 * (27 + i));
@@ -84,7 +84,8 @@ static int parity(const int q[5]) {
   int sign = 1;
   for (int i = 0; i < 5; i++) {
     for (int j = i + 1; j < 5; j++) {
-      if (q[i] > q[j]) sign = -sign;
+      if (q[i] > q[j])
+        sign = -sign;
     }
   }
   return sign;
@@ -98,7 +99,8 @@ static void for_all_permutations(void (*check)(const int q[5], void *context), v
       q[i] = rest % 5;
       used |= 1 << q[i];
     }
-    if (used == 31) check(q, context);
+    if (used == 31)
+      check(q, context);
   }
 }
 
@@ -112,8 +114,7 @@ static void check_permutation(const int q[5], void *context) {
   const five *f = context;
   const uint32_t *v = f->v;
   int s = parity(q);
-  assert_int_equal(tet_insphere(f->p, v[q[0]], v[q[1]], v[q[2]], v[q[3]], v[q[4]]),
-                   s * f->plain);
+  assert_int_equal(tet_insphere(f->p, v[q[0]], v[q[1]], v[q[2]], v[q[3]], v[q[4]]), s * f->plain);
   assert_int_equal(tet_insphere_sos(f->p, v[q[0]], v[q[1]], v[q[2]], v[q[3]], v[q[4]]),
                    s * f->perturbed);
 }
@@ -127,11 +128,13 @@ static void test_antisymmetry(void **unused) {
   for (int i = 0; i < 400; i++) {
     five f = {.p = &t.p};
     uint32_t n = i % 2 ? 40 : 27;
-    for (int k = 0; k < 5; k++) f.v[k] = below(&state, n);
+    for (int k = 0; k < 5; k++)
+      f.v[k] = below(&state, n);
     const uint32_t *v = f.v;
     f.plain = tet_insphere(&t.p, v[0], v[1], v[2], v[3], v[4]);
     f.perturbed = tet_insphere_sos(&t.p, v[0], v[1], v[2], v[3], v[4]);
-    if (f.plain) assert_int_equal(f.plain, f.perturbed);
+    if (f.plain)
+      assert_int_equal(f.plain, f.perturbed);
     ties += !f.plain;
     zeros += !f.perturbed;
     for_all_permutations(check_permutation, &f);
@@ -150,10 +153,12 @@ static void test_perturbation_is_decisive(void **unused) {
     int repeats = 0, coplanar = 1;
     for (int k = 0; k < 5; k++) {
       v[k] = below(&state, 40);
-      for (int j = 0; j < k; j++) repeats |= v[j] == v[k];
+      for (int j = 0; j < k; j++)
+        repeats |= v[j] == v[k];
     }
     for (int k = 0; k < 5; k++) {
-      if (tet_orient3d(&t.p, v[k], v[(k + 1) % 5], v[(k + 2) % 5], v[(k + 3) % 5])) coplanar = 0;
+      if (tet_orient3d(&t.p, v[k], v[(k + 1) % 5], v[(k + 2) % 5], v[(k + 3) % 5]))
+        coplanar = 0;
     }
     int sign = tet_insphere_sos(&t.p, v[0], v[1], v[2], v[3], v[4]);
     assert_int_equal(sign == 0, repeats || coplanar);
@@ -171,9 +176,12 @@ static void test_perturbation_is_consistent(void **unused) {
   int checked = 0;
   for (int i = 0; i < 20000; i++) {
     uint32_t v[5];
-    for (int k = 0; k < 5; k++) v[k] = below(&state, 40);
-    if (tet_orient3d(&t.p, v[0], v[1], v[2], v[3]) <= 0) continue;
-    if (tet_orient3d(&t.p, v[0], v[1], v[2], v[4]) >= 0) continue;
+    for (int k = 0; k < 5; k++)
+      v[k] = below(&state, 40);
+    if (tet_orient3d(&t.p, v[0], v[1], v[2], v[3]) <= 0)
+      continue;
+    if (tet_orient3d(&t.p, v[0], v[1], v[2], v[4]) >= 0)
+      continue;
     int e_in = tet_insphere_sos(&t.p, v[0], v[1], v[2], v[3], v[4]);
     int d_in = tet_insphere_sos(&t.p, v[1], v[0], v[2], v[4], v[3]);
     assert_int_equal(e_in, d_in);
@@ -205,7 +213,8 @@ static void test_implicit_on_facet(void **unused) {
   int rounded_off = 0;
   for (int i = 0; i < 5000; i++) {
     uint32_t v[4];
-    for (int k = 0; k < 4; k++) v[k] = below(&state, N + M);
+    for (int k = 0; k < 4; k++)
+      v[k] = below(&state, N + M);
     assert_int_equal(tet_orient3d(&p, v[0], v[1], v[2], v[3]), 0);
     rounded_off += tet_orient3d_xyz(x + 3 * v[0], x + 3 * v[1], x + 3 * v[2], x + 3 * v[3]) != 0;
   }
@@ -218,7 +227,8 @@ static void test_implicit_on_segment(void **unused) {
   double x[3 * 6] = {0.1, 0.7, -0.3, 1e3, -1.0 / 3, 1e-7, 5, 5, 5};
   tet_segment_point implicit[3] = {{0, 1, 0.1}, {0, 1, 0.9}, {1, 0, 0.9}};
   tet_points p = {.x = x, .n = 6, .first_implicit = 3, .implicit = implicit, .max_abs = 1e3};
-  for (uint32_t i = 0; i < 3; i++) tet_segment_point_round(&p, &implicit[i], x + 9 + 3 * i);
+  for (uint32_t i = 0; i < 3; i++)
+    tet_segment_point_round(&p, &implicit[i], x + 9 + 3 * i);
   assert_int_equal(tet_collinear(&p, 0, 1, 3), 1);
   assert_int_equal(tet_collinear(&p, 3, 4, 5), 1);
   assert_int_equal(tet_collinear(&p, 2, 3, 4), 0);
@@ -269,7 +279,8 @@ static void test_extremes(void **unused) {
   (void)unused;
   const double big = TET_COORDINATE_LIMIT, tiny = 0x1p-1074;
   double x[3 * 10] = {big, tiny, -big, tiny, big, tiny, -big, -tiny, tiny, big, big, big};
-  for (int k = 0; k < 3; k++) x[12 + k] = k == 1 ? nextafter(big, 0) : tiny;
+  for (int k = 0; k < 3; k++)
+    x[12 + k] = k == 1 ? nextafter(big, 0) : tiny;
   tet_segment_point implicit[5];
   tet_points p = {.x = x, .n = 10, .first_implicit = 5, .implicit = implicit, .max_abs = big};
   for (uint32_t i = 0; i < 5; i++) {
