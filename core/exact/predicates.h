@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact geometric predicates over explicit and implicit points: a floating-point
-// filter first (after Shewchuk 1997), and where it cannot tell, multi-limb dyadic
-// integers. Each returns -1, 0 or +1, always the sign of the exact value.
+// filter first (after Shewchuk 1997), and where it cannot tell, exact integers. Each returns -1, 0 or +1, always the sign of the exact value.
 //
 // Accepted coordinates: finite doubles, |x| <= TET_COORDINATE_LIMIT, of any
 // granularity down to the denormals. Functions without a suffix take vertex
 // numbers and any mix of explicit and implicit points; those with _xyz take
 // explicit coordinates, 3 doubles a point. Nothing here allocates, and nothing
-// is kept between calls. Cost: 10 to 50 ns where the filter decides; the exact
-// stage about a microsecond for coordinates of like magnitude (see README.md).
+// is kept between calls. Cost: 5 to 50 ns where the filter decides; exactly, 50 to
+// 500 ns for coordinates on a common grid and up to 2 us for others (README.md).
 #ifndef TETRAD_CORE_EXACT_PREDICATES_H
 #define TETRAD_CORE_EXACT_PREDICATES_H
 
