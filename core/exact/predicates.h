@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact geometric predicates over explicit and implicit points: a floating-point
-// filter first (after Shewchuk 1997), and where it cannot tell, exact integers. Each returns -1, 0 or +1, always the sign of the exact value.
+// filter first (after Shewchuk 1997), and where it cannot tell, exact integers. Each
+// returns -1, 0 or +1, always the sign of the exact value.
 //
 // Accepted coordinates: finite doubles, |x| <= TET_COORDINATE_LIMIT, of any
 // granularity down to the denormals. Functions without a suffix take vertex
