@@ -174,6 +174,7 @@ connection *connection_create(server *s, int fd, peer_kind peer) {
   c->kick = event_new(s->base, -1, 0, on_kick, c);
   TAILQ_INSERT_TAIL(&s->connections, c, link);
   s->n_connections++;
+  c->number = ++s->totals.connections;
   if (!c->kick || !identify(c, fd) ||
       tp_reader_create(c->hello_required ? TP_HELLO_LINE : TP_MAX_LINE, &c->reader) != TP_OK ||
       !evbuffer_add_cb(bufferevent_get_input(c->bev), on_input_change, c) ||

@@ -183,7 +183,7 @@ bool listeners_open(server *s) {
 
 void listeners_update(server *s) {
   listener *l;
-  bool open = !s->draining && s->n_connections < s->config->limits.max_connections;
+  bool open = s->n_connections < s->config->limits.max_connections;
   TAILQ_FOREACH(l, &s->listeners, link) {
     if (open) evconnlistener_enable(l->handle);
     else evconnlistener_disable(l->handle);

@@ -9,7 +9,7 @@
  * Errors: false, logged; what was opened stays open until listeners_close. */
 bool listeners_open(server *server);
 
-/* Accepts or stops accepting, by the number of connections and by draining. */
+/* Accepts or stops accepting, by the number of connections. */
 void listeners_update(server *server);
 
 /* Closes all and removes the Unix sockets' files. */

@@ -53,7 +53,7 @@ static void on_signal(evutil_socket_t number, short what, void *arg) {
       log_int("running", s->n_jobs[JOB_RUNNING]));
   s->draining = true;
   s->quiet_since = clock_now();
-  listeners_update(s);
+  listeners_close(s);
   if (!s->n_connections && !s->n_jobs[JOB_QUEUED] && !s->n_jobs[JOB_RUNNING]) server_stop(s, 0);
 }
 

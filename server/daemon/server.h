@@ -39,7 +39,7 @@ TAILQ_HEAD(listener_list, listener);
 enum { JOB_STATES = 5 };
 
 typedef struct totals {
-  uint64_t submitted;
+  uint64_t submitted, connections;
   uint64_t ended[JOB_STATES]; /* by final state */
   uint64_t received, sent;    /* bytes of all connections */
 } totals;

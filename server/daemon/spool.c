@@ -215,7 +215,7 @@ bool spool_crowded(spool *s) {
   return s->crowded;
 }
 
-bool spool_full(const spool *s) { return s->bytes >= s->limit; }
+bool spool_full(const spool *s) { return s->limit - s->bytes < s->limit / 16 + 1; }
 uint64_t spool_bytes(const spool *s) { return s->bytes; }
 
 spool_file *spool_file_create(spool *s, spool_file_fn fn, void *user) {

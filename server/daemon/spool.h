@@ -34,7 +34,7 @@ void spool_on_room(spool *spool, spool_room_fn fn, void *user);
 /* Over SPOOL_QUEUE_MAX bytes wait to be written: take no more from workers. */
 bool spool_crowded(spool *spool);
 
-/* Whether the limit is used up. */
+/* Whether less than a sixteenth of the limit is left: no room for another job. */
 bool spool_full(const spool *spool);
 uint64_t spool_bytes(const spool *spool);
 

@@ -6,12 +6,14 @@ and gives up after LIMIT seconds; nothing sleeps.  The programs are found throug
 $TETRAD_EXEC_PATH.
 """
 
+import array
 import json
 import os
 import queue
+import random
 import re
+import select
 import socket
-import struct
 import subprocess
 import threading
 import time
@@ -113,6 +115,10 @@ class Daemon:
         folders = [d for d in os.listdir(self.folder) if d.startswith("tetrad-")]
         return [n for d in folders for n in os.listdir(os.path.join(self.folder, d)) if n != "lock"]
 
+    def signal_worker(self, job, number):
+        """Sends a signal to the worker that has started that job."""
+        os.kill(int(self.wait_log("job started", job=job)["worker"]), number)
+
     def wait(self):
         return self.process.wait(timeout=LIMIT)
 
@@ -120,7 +126,11 @@ class Daemon:
         """Ends it at once and looks for what must not be left."""
         if self.process.poll() is None:
             self.process.terminate()
-            self.process.terminate()
+            try:
+                self.wait_log("draining")
+                self.process.terminate()
+            except EOFError:
+                pass  # nothing was left to drain
             try:
                 self.process.wait(timeout=LIMIT)
             except subprocess.TimeoutExpired:
@@ -216,9 +226,10 @@ class Client:
     def call(self, method, body=b"", **params):
         return self.receive(self.send(method, body, **params))
 
-    def submit(self, points, **params):
-        """A submission of points (triples) to be tetrahedralized; returns the job id."""
-        return self.call("mesh.submit", *cloud(points, **params)[:1], **cloud(points, **params)[1])["job"]
+    def submit(self, n, seed=1, **params):
+        """Submits a cloud of n points; returns the job's id."""
+        body, params = cloud(n, seed, **params)
+        return self.call("mesh.submit", body, **params)["job"]
 
     def close(self):
         self.socket.close()
@@ -230,24 +241,25 @@ class Client:
         self.close()
 
 
-def cloud(points, stage="delaunay", options=None, **params):
-    """Body and params of mesh.submit for a set of points."""
-    body = struct.pack(f"<{3 * len(points)}d", *(x for p in points for x in p))
-    descriptor = {"dtype": "<f8", "shape": [len(points), 3], "codec": "raw", "at": [0, len(body)]}
+def cloud(n, seed=1, stage="delaunay", options=None, **params):
+    """Body and params of mesh.submit for n points, the same ones for the same seed."""
+    random_value = random.Random(seed).random
+    body = array.array("d", (random_value() for _ in range(3 * n))).tobytes()
+    descriptor = {"dtype": "<f8", "shape": [n, 3], "codec": "raw", "at": [0, len(body)]}
     return body, {"pls": {"points": descriptor}, "options": {"stage": stage, **(options or {})},
                   **params}
 
 
-def random_points(n, seed):
-    """The same points for the same seed, everywhere."""
-    state = seed * 2654435761 % 2**32 or 1
-    points = []
-    for _ in range(n):
-        p = []
-        for _ in range(3):
-            state ^= state << 13 & 0xFFFFFFFF
-            state ^= state >> 17
-            state ^= state << 5 & 0xFFFFFFFF
-            p.append(state / 2**32)
-        points.append(p)
-    return points
+def wait_dead(pids):
+    """Waits until none of these processes is there any more (not children of ours)."""
+    for pid in pids:
+        try:
+            fd = os.pidfd_open(pid)
+        except ProcessLookupError:
+            continue
+        try:
+            poll = select.poll()
+            poll.register(fd, select.POLLIN)
+            assert poll.poll(LIMIT * 1000), f"process {pid} lives on"
+        finally:
+            os.close(fd)
