@@ -56,10 +56,13 @@ static tet_status add_point(tet_facet_work *w, uint32_t v) {
   return TET_OK;
 }
 
-static tet_status add_side(tet_facet_work *w, uint32_t a, uint32_t b, uint32_t loop) {
+static tet_status add_side(tet_facet_work *w, uint32_t a, uint32_t b, const tet_side *of) {
   tet_status st = tet_grow(w->s->ctx, &w->side, &w->cap_side, (size_t)w->n_sides + 1, sizeof *w->side);
-  if (st == TET_OK) w->side[w->n_sides++] = a < b ? (tet_side){a, b, loop} : (tet_side){b, a, loop};
-  return st;
+  if (st != TET_OK) return st;
+  w->side[w->n_sides] = *of;
+  w->side[w->n_sides].lo = a < b ? a : b;
+  w->side[w->n_sides++].hi = a < b ? b : a;
+  return TET_OK;
 }
 
 static int compare_sides(const void *px, const void *py) {
@@ -109,28 +112,35 @@ static tet_status single_triangle(tet_facet_work *w) {
   return add_triangle(w->s, w->facet, v, border);
 }
 
-/* Makes a to b (local) a constraint, in parts where points lie on it. `kind` and
- * `owner` say whose it is, `loop` which polygon. *ret_ok 0: a fault was recorded. */
-static tet_status constrain(tet_facet_work *w, uint32_t a, uint32_t b, uint32_t loop,
-                            tet_offender_kind kind, uint32_t owner, int *ret_ok) {
-  const tet_soup *s = w->s;
-  for (uint32_t from = a, to; from != b; from = to) {
+/* Side g crosses the constraint between points a and b. A foreign one is left out,
+ * one of the facet's own spoils it. */
+static tet_status crossing_fault(tet_facet_work *w, const tet_side *g, uint32_t a, uint32_t b, int *ret_ok) {
+  uint32_t lo = a < b ? a : b, hi = a < b ? b : a, i = 0;
+  while (i < w->n_sides && (w->side[i].lo != lo || w->side[i].hi != hi)) i++;
+  if (i == w->n_sides) return tet_internal(w->s->ctx, "a constraint of nobody");
+  const tet_side *other = &w->side[i];
+  const double *x = tet_soup_x(w->s, w->global[g->lo]), *y = tet_soup_x(w->s, w->global[g->hi]);
+  tet_fault fault = {.status = TET_E_INTERSECTION};
+  fault.offence = (tet_offence){.kind = {other->kind, g->kind}, .index = {other->owner, g->owner}};
+  for (int k = 0; k < 3; k++) fault.offence.place[k] = 0.5 * x[k] + 0.5 * y[k];
+  if (g->kind == TET_OFFENDER_FACET && g->owner == w->facet) *ret_ok = 0;
+  return tet_soup_fault(w->s, &fault);
+}
+
+/* Makes side g a constraint, in parts where points lie on it. *ret_ok 0: a fault was
+ * recorded that leaves no facet. */
+static tet_status constrain(tet_facet_work *w, const tet_side *g, int *ret_ok) {
+  for (uint32_t from = g->lo, to; from != g->hi; from = to) {
     uint32_t crossed[2];
-    tet_status st = tet_cdt2d_constrain(&w->cdt, from, b, &to, crossed);
+    tet_status st = tet_cdt2d_constrain(&w->cdt, from, g->hi, &to, crossed);
     if (st != TET_OK) return st;
-    if (to == TET_NONE) {
-      *ret_ok = 0;
-      const double *x = tet_soup_x(s, w->global[a]), *y = tet_soup_x(s, w->global[b]);
-      tet_fault fault = {.status = TET_E_INTERSECTION};
-      fault.offence = (tet_offence){.kind = {TET_OFFENDER_FACET, kind}, .index = {w->facet, owner}};
-      for (int k = 0; k < 3; k++) fault.offence.place[k] = 0.5 * x[k] + 0.5 * y[k];
-      return tet_soup_fault(w->s, &fault);
-    }
-    if (!w->flat && to != b && !tet_collinear(s->points, w->global[a], w->global[b], w->global[to])) {
+    if (to == TET_NONE) return crossing_fault(w, g, crossed[0], crossed[1], ret_ok);
+    if (!w->flat && to != g->hi &&
+        !tet_collinear(w->s->points, w->global[g->lo], w->global[g->hi], w->global[to])) {
       *ret_ok = 0;
       return fault_at(w, TET_E_NOT_PLANAR, "has a vertex over a side of its own", w->global[to]);
     }
-    if ((st = add_side(w, from, to, loop)) != TET_OK) return st;
+    if ((st = add_side(w, from, to, g)) != TET_OK) return st;
   }
   return TET_OK;
 }
@@ -145,14 +155,15 @@ static tet_status constrain_all(tet_facet_work *w, int *ret_ok) {
     for (uint32_t i = 0; i < n && n > 1; i++) {
       if (n == 2 && i == 1) break;
       uint32_t a = w->local[w->loop[from + i]], b = w->local[w->loop[from + (i + 1) % n]];
-      st = constrain(w, a, b, n == 2 ? TET_NONE : l, TET_OFFENDER_FACET, w->facet, ret_ok);
-      if (st != TET_OK) return st;
+      tet_side g = {a, b, n == 2 ? TET_NONE : l, TET_OFFENDER_FACET, w->facet};
+      if ((st = constrain(w, &g, ret_ok)) != TET_OK) return st;
     }
   }
   uint32_t i = first_of(s->constraint, s->n_constraints, sizeof *s->constraint, w->facet);
   for (; i < s->n_constraints && s->constraint[i].facet == w->facet && st == TET_OK; i++) {
     const tet_constraint *t = &s->constraint[i];
-    st = constrain(w, w->local[t->a], w->local[t->b], TET_NONE, t->kind, t->owner, ret_ok);
+    tet_side g = {w->local[t->a], w->local[t->b], TET_NONE, t->kind, t->owner};
+    st = constrain(w, &g, ret_ok);
   }
   qsort(w->side, w->n_sides, sizeof *w->side, compare_sides);
   return st;

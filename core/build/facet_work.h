@@ -15,6 +15,8 @@
 typedef struct tet_side {
   uint32_t lo, hi;
   uint32_t loop; /* the polygon, or TET_NONE */
+  tet_offender_kind kind; /* whose it is */
+  uint32_t owner;
 } tet_side;
 
 typedef struct tet_frame {

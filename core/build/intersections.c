@@ -94,23 +94,25 @@ static int enters(const finder *f, ends e, const uint32_t t[3], int axis) {
   return left > 0 && right > 0;
 }
 
-/* Segment e strictly across the plane of t: through its interior, or through the
- * interior of a side (through a corner: that corner is noted on e elsewhere). */
-static int pierces(const finder *f, ends e, const uint32_t t[3]) {
-  int left = 0, right = 0;
+/* Segment e strictly across the plane of t: 3 if through its interior, j if through
+ * the interior of side j, -1 if it misses or goes through a corner (that corner is
+ * noted on e elsewhere). */
+static int pierced(const finder *f, ends e, const uint32_t t[3]) {
+  int left = 0, right = 0, at = 3;
   for (int j = 0; j < 3; j++) {
     int side = tet_orient3d(f->points, e.a, e.b, t[j], t[(j + 1) % 3]);
     left += side > 0;
     right += side < 0;
+    if (side == 0) at = j;
   }
-  return left == 0 ? right >= 2 : right == 0 && left >= 2;
+  return (left == 0 && right >= 2) || (right == 0 && left >= 2) ? at : -1;
 }
 
 /* A segment, its sides of the plane of triangle `tri`, and whose it is. */
 typedef struct segment {
   ends e;
   int sa, sb;
-  int fixed;
+  int fixed, border;
   tet_offender_kind kind;
   uint32_t owner;
 } segment;
@@ -121,7 +123,11 @@ static tet_status segment_triangle(finder *f, const segment *g, uint32_t tri) {
   uint32_t facet = s->facet[tri];
   double place[3];
   if (g->sa * g->sb < 0) {
-    if (!pierces(f, g->e, t)) return TET_OK;
+    int at = pierced(f, g->e, t);
+    if (at < 0) return TET_OK;
+    /* A border through an edge inside a facet goes through that facet, or lies in its
+       plane: then that is what counts. */
+    if (at < 3 && !g->border && s->edge[3 * (size_t)tri + (size_t)at] & TET_EDGE_BORDER) return TET_OK;
   } else {
     if (g->sa != 0 || g->sb != 0) return TET_OK;
     if (is_corner(t, g->e.a) && is_corner(t, g->e.b)) return TET_OK;
@@ -169,7 +175,8 @@ static tet_status half_pair(finder *f, uint32_t i, const int o[3], uint32_t j) {
     if (o[c] == 0 && !is_corner(u, t[c]) && in_closed(f, t[c], u, s->axis[facet])) st = note_join(f, facet, t[c]);
   for (int c = 0; c < 3 && st == TET_OK; c++) {
     int d = (c + 1) % 3;
-    segment g = {{t[c], t[d]}, o[c], o[d], s->edge[3 * (size_t)i + (size_t)c] & TET_EDGE_FIXED,
+    uint8_t flags = s->edge[3 * (size_t)i + (size_t)c];
+    segment g = {{t[c], t[d]}, o[c], o[d], flags & TET_EDGE_FIXED, flags & TET_EDGE_BORDER,
                  TET_OFFENDER_FACET, s->facet[i]};
     st = segment_triangle(f, &g, j);
   }
@@ -241,7 +248,7 @@ static int on_segment(const finder *f, ends e, uint32_t v) {
 static segment piece_segment(const tet_soup *s, uint32_t p) {
   const tet_piece *q = &s->piece[p];
   int of_facet = q->segment == TET_NONE;
-  return (segment){{q->a, q->b}, 0, 0, 1, of_facet ? TET_OFFENDER_FACET : TET_OFFENDER_SEGMENT,
+  return (segment){{q->a, q->b}, 0, 0, 1, 1, of_facet ? TET_OFFENDER_FACET : TET_OFFENDER_SEGMENT,
                    of_facet ? q->facet : q->segment};
 }
 

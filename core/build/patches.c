@@ -189,7 +189,7 @@ static tet_status make_patches(joiner *w) {
   size_t cap = 0, cap_stack = 0;
   uint32_t *stack = NULL;
   tet_status st = TET_OK;
-  memset(r->tri_patch, 0xff, s->n_tris * sizeof *r->tri_patch);
+  if (s->n_tris > 0) memset(r->tri_patch, 0xff, s->n_tris * sizeof *r->tri_patch);
   for (uint32_t t = 0; t < s->n_tris && st == TET_OK; t++) {
     if (r->tri_patch[t] != TET_NONE) continue;
     if (t % 1024 == 0) st = tet_poll(s->ctx);

@@ -151,6 +151,25 @@ static tet_status apply_splits(tet_soup *s) {
   return st;
 }
 
+/* 1 if there is a constraint between the same vertices in the same facet: the last
+ * of all m, or among the sorted ones of earlier rounds (then the facet could not take
+ * it, which is a fault recorded elsewhere). */
+static int is_known(const tet_soup *s, uint32_t m, const tet_constraint *c) {
+  uint32_t from = 0, to = s->n_constraints;
+  if (m == 0) return 0;
+  while (from < to) {
+    uint32_t mid = from + (to - from) / 2;
+    const tet_constraint *d = &s->constraint[mid];
+    if (d->facet != c->facet ? d->facet < c->facet : d->a != c->a ? d->a < c->a : d->b < c->b) from = mid + 1;
+    else to = mid;
+  }
+  if (from == s->n_constraints) from = m - 1;
+  const tet_constraint *d[2] = {&s->constraint[from], &s->constraint[m - 1]};
+  for (int k = 0; k < 2; k++)
+    if (d[k]->facet == c->facet && d[k]->a == c->a && d[k]->b == c->b) return 1;
+  return 0;
+}
+
 /* Adds those new constraints whose ends are vertices of their facet; *ret_added
  * counts them. The others stay in new_constraint. */
 static tet_status apply_constraints(tet_soup *s, uint32_t *ret_added) {
@@ -167,9 +186,7 @@ static tet_status apply_constraints(tet_soup *s, uint32_t *ret_added) {
     if (marked != c.facet)
       for (uint32_t h = 3 * s->first[c.facet]; h < 3 * s->first[c.facet + 1]; h++) mark[s->tri[h]] = c.facet;
     marked = c.facet;
-    if (m > s->n_constraints && s->constraint[m - 1].facet == c.facet && s->constraint[m - 1].a == c.a &&
-        s->constraint[m - 1].b == c.b)
-      continue;
+    if (is_known(s, m, &c)) continue;
     if (mark[c.a] == c.facet && mark[c.b] == c.facet) s->constraint[m++] = c;
     else s->new_constraint[left++] = c;
   }
