@@ -128,7 +128,10 @@ def check(program, model, stage, folder_out):
     fault = run_judge(program, model, prefix, "--markers", "--rho", str(RADIUS_EDGE), "--allow-bad", str(count))
     if fault:
         return fault, report
-    tetrahedra = report["stages"][-1].get("tetrahedra", 0)
+    unblamed = sum(e["segment"] is None for e in report["exceptions"]["list"])
+    if unblamed:
+        return f"{unblamed} of {count} exceptions have no sharp segment to blame", report
+    tetrahedra = report["stages"][-1]["tetrahedra"]
     most = max(MOST_EXCEPTIONS * tetrahedra, reference_over(model))
     if count > most:
         return f"{count} exceptions of {tetrahedra} tetrahedra, {most:.0f} would do", report
