@@ -6,6 +6,7 @@
 #include "audit/quality.h"
 #include "build/build.h"
 #include "engine/check.h"
+#include "engine/exceptions.h"
 #include "engine/order.h"
 #include "engine/pack.h"
 #include "refine/refine.h"
@@ -61,6 +62,8 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
   if (status != TET_OK) return status;
   report->promised = promise(options, built->planarity, refined);
   count(report, built, refined);
+  if (refined) status = tet_complete_exceptions(ctx, mesh);
+  if (status != TET_OK) return status;
   tet_stage_begin(ctx, "audit");
   status = tet_audit_mesh(ctx, mesh, &report->audit);
   if (status == TET_OK) status = tet_measure_quality(ctx, mesh, &report->quality);
