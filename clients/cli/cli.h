@@ -74,7 +74,7 @@ int cli_connect(const arguments *args, bool private, tetrad_client **ret_client)
 void cli_close(tetrad_client *client);
 
 /* Waits for a job with progress on a terminal. Gives the job object on STATUS_DONE;
- * failures have been shown, in the input's numbering. */
+ * failures have been shown. */
 int cli_wait(tetrad_client *client, const char *job, const arguments *args, json_t **ret_job);
 
 /* Fetches a finished job's mesh and writes output and report. */
@@ -87,8 +87,8 @@ __attribute__((format(printf, 1, 2))) void complain(const char *format, ...);
 /* Says why a call failed and gives the exit status that belongs to it. */
 int show_failure(const tetrad_error *error);
 
-/* Says why a job ended without a mesh, naming what the input's elements did; gives the
- * exit status. */
+/* Says why a job ended without a mesh, naming the input's elements to blame (from 0);
+ * gives the exit status. */
 int show_job_failure(const json_t *job, const char *subject, int first_index);
 
 /* A line that is drawn over itself on a terminal. */

@@ -27,14 +27,13 @@ static const char *text_of(const json_t *object, const char *name) {
     return text != NULL ? text : "";
 }
 
-// "facet 3 (marker 5)", numbered as the input numbers its vertices.
-static void print_element(const json_t *offence, size_t i, int first_index) {
+// "facet 3 (marker 5)", numbered from 0 as in the message.
+static void print_element(const json_t *offence, size_t i) {
     const char *kind = json_string_value(json_array_get(json_object_get(offence, "kind"), i));
     const json_t *marker = json_array_get(json_object_get(offence, "marker"), i);
     const json_int_t index =
         json_integer_value(json_array_get(json_object_get(offence, "index"), i));
-    fprintf(stderr, "%s %" JSON_INTEGER_FORMAT, kind != NULL ? kind : "element",
-            index + first_index);
+    fprintf(stderr, "%s %" JSON_INTEGER_FORMAT, kind != NULL ? kind : "element", index);
     if (json_integer_value(marker) != 0) {
         fprintf(stderr, " (marker %" JSON_INTEGER_FORMAT ")", json_integer_value(marker));
     }
@@ -44,13 +43,16 @@ static void print_offences(const json_t *offences, int first_index) {
     const json_t *list = json_object_get(offences, "list"), *offence;
     const json_int_t count = json_integer_value(json_object_get(offences, "count"));
     size_t i;
+    if (first_index != 0 && json_array_size(list) > 0) {
+        fputs("  (numbered from 0, though the file's vertices are numbered from 1)\n", stderr);
+    }
     json_array_foreach(list, i, offence) {
         const json_t *place = json_object_get(offence, "place");
         fputs("  ", stderr);
-        print_element(offence, 0, first_index);
+        print_element(offence, 0);
         if (json_array_size(json_object_get(offence, "kind")) > 1) {
             fputs(" and ", stderr);
-            print_element(offence, 1, first_index);
+            print_element(offence, 1);
         }
         if (json_array_size(place) == 3) {
             fprintf(stderr, " near (%.10g, %.10g, %.10g)",

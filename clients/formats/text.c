@@ -38,8 +38,11 @@ void tf_text_fail(tf_text *text, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
-    tf_error_set(text->error, TF_E_MALFORMED, "%s:%lu: %s", text->name, text->line, what);
-    text->error->line = text->line;
+    // At the end of the file the last line is to blame, not the one that would come.
+    const bool past_the_last = text->at == text->end && text->line > 1 && text->at[-1] == '\n';
+    const unsigned long line = text->line - past_the_last;
+    tf_error_set(text->error, TF_E_MALFORMED, "%s:%lu: %s", text->name, line, what);
+    text->error->line = line;
     text->failed = true;
 }
 

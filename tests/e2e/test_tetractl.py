@@ -2,13 +2,20 @@
 """tetractl from the command line to the written files, most of it with the private daemon
 that `tetractl mesh` starts for itself."""
 
+import base64
 import json
+import os
 import pathlib
+import pty
 import random
+import select
 import signal
+import struct
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree
+import zlib
 
 import pytest
 
@@ -79,7 +86,8 @@ def test_part_is_meshed_with_its_regions_and_markers(tmp_path):
 
     said = json.loads(report.read_text(encoding="utf-8"))
     names = [stage["name"] for stage in said["stages"]]
-    assert names == ["delaunay", "surface", "segments", "facets", "regions", "refine", "audit", "encode"]
+    assert sorted(names) == sorted(["delaunay", "surface", "segments", "facets", "regions", "refine", "audit",
+                                    "encode"])
     assert all(stage["seconds"] >= 0 and stage["peak_bytes"] > 0 for stage in said["stages"])
     assert said["audit"]["passed"] is True
     assert said["promised"]["radius_edge"] == 2.0 and said["promised"]["max_volume"] == 40
@@ -221,3 +229,132 @@ def test_interrupt_cancels_the_job_and_ends_with_130(tmp_path, cube, daemon):
     status = tetractl("status", job, "--json", *connect)
     assert status.returncode != 0 or json.loads(status.stdout)["state"] == "cancelled"
     assert not list(tmp_path.glob("out*"))
+
+
+def vtu_array(grid, name, code):
+    """One inline array of a .vtu file, as VTK reads it: base64 of a header and of zlib blocks."""
+    text = grid.find(f".//DataArray[@Name='{name}']").text.strip()
+    blocks = struct.unpack("<Q", base64.b64decode(text[:12])[:8])[0]
+    header_text = 4 * ((8 * (3 + blocks) + 2) // 3)
+    header = struct.unpack(f"<{3 + blocks}Q", base64.b64decode(text[:header_text]))
+    packed, raw = base64.b64decode(text[header_text:]), b""
+    for size in header[3:]:
+        raw += zlib.decompress(packed[:size])
+        packed = packed[size:]
+    assert packed == b""
+    assert header[0] == blocks and header[1] == 1 << 16
+    return [v[0] for v in struct.iter_unpack("<" + code, raw)]
+
+
+def test_vtu_holds_cells_regions_markers_and_quality(tmp_path):
+    out, text = tmp_path / "b.vtu", tmp_path / "b.node"
+    for path in (out, text):
+        assert tetractl("mesh", BRACKET, "-o", path, "--quiet").returncode == 0
+    grid = xml.etree.ElementTree.parse(out).getroot()
+    piece = grid.find(".//Piece")
+    tetrahedra, faces, edges = (rows(text.with_suffix(s))[1:] for s in (".ele", ".face", ".edge"))
+    kinds = vtu_array(grid, "types", "B")
+    assert kinds == [10] * len(tetrahedra) + [5] * len(faces) + [3] * len(edges)
+    assert int(piece.get("NumberOfCells")) == len(kinds)
+    points = vtu_array(grid, "points", "d")
+    assert points == [float(x) for node in rows(text)[1:] for x in node[1:4]]
+    first = int(rows(text)[1][0])
+    ends = [int(v) - first for t in tetrahedra for v in t[1:5]]
+    assert vtu_array(grid, "connectivity", "q")[:len(ends)] == ends
+    assert vtu_array(grid, "offsets", "q")[-1] == 4 * len(tetrahedra) + 3 * len(faces) + 2 * len(edges)
+    assert vtu_array(grid, "region", "i")[:len(tetrahedra)] == [int(t[5]) for t in tetrahedra]
+    markers = [int(f[4]) for f in faces] + [int(e[3]) for e in edges]
+    cells = grid.find(".//CellData")
+    assert vtu_array(cells, "marker", "i")[len(tetrahedra):] == markers
+    ratios = vtu_array(grid, "radius_edge", "d")[:len(tetrahedra)]
+    assert 0.6 < min(ratios) and max(ratios) <= 2.0
+    assert 0 < min(vtu_array(grid, "least_dihedral", "d")[:len(tetrahedra)]) < 70.6
+
+
+@pytest.mark.parametrize("options, name", [
+    (["--max-vertices", "20"], "vertex_limit"), (["--deadline", "0.05"], "deadline"),
+    (["--memory", "1M"], "memory")], ids=lambda v: v if isinstance(v, str) else "")
+def test_limits_end_with_4(tmp_path, cube, options, name):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", "--max-volume", "1e-7", *options)
+    assert done.returncode == 4 and name in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
+
+
+def test_neighbours_are_mutual(tmp_path, cube):
+    out = tmp_path / "out.node"
+    assert tetractl("mesh", cube, "-o", out, "--neighbours", "--quiet").returncode == 0
+    table = [[int(x) for x in row[1:]] for row in rows(out.with_suffix(".neigh"))[1:]]
+    assert len(table) == len(rows(out.with_suffix(".ele"))) - 1
+    for t, row in enumerate(table):
+        assert all(n == -1 or t in table[n] for n in row)
+    assert any(-1 in row for row in table)
+
+
+def test_quiet_is_silent_and_json_is_the_report(tmp_path, cube):
+    report = tmp_path / "r.json"
+    done = tetractl("mesh", cube, "-o", tmp_path / "a.node", "--quiet", "--report", report)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    shown = json.loads(tetractl("mesh", cube, "-o", tmp_path / "a.node", "--json").stdout)
+    kept = json.loads(report.read_text(encoding="utf-8"))
+    assert shown["counts"] == kept["counts"] and shown["exceptions"] == {"count": 0, "list": []}
+    assert kept["first_index"] == 0
+
+
+def test_exceptions_are_listed_with_their_sharp_segment(tmp_path):
+    wedge = tmp_path / "wedge.smesh"
+    wedge.write_text("6 3 0 0\n1 0 0 0\n2 0 1 0\n3 1 0 0\n4 1 1 0\n5 1 0 .02\n6 1 1 .02\n5 1\n"
+                     "4 1 3 4 2 1\n4 1 5 6 2 2\n3 1 3 5 3\n3 2 4 6 4\n4 3 4 6 5 5\n0\n0\n", encoding="ascii")
+    out, report = tmp_path / "out.node", tmp_path / "r.json"
+    done = tetractl("mesh", wedge, "-o", out, "--report", report, "--radius-edge", "1.2")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(report.read_text(encoding="utf-8"))
+    listed = said["exceptions"]["list"]
+    assert said["first_index"] == 1 and said["exceptions"]["count"] == len(listed)
+    tetrahedra, edges = rows(out.with_suffix(".ele"))[1:], rows(out.with_suffix(".edge"))[1:]
+    ends = {tuple(sorted(int(v) for v in edge[1:3])) for edge in edges}
+    for exception in listed:
+        assert exception["radius_edge"] > 1.2
+        assert 1 <= exception["tetrahedron"] <= len(tetrahedra)
+        assert exception["segment"] is None or tuple(sorted(exception["segment"]["vertices"])) in ends
+
+
+def test_progress_is_drawn_on_a_terminal_alone(tmp_path, cube):
+    master, slave = pty.openpty()
+    with subprocess.Popen([TETRACTL, "mesh", cube, "-o", tmp_path / "a.node", "--max-volume", "1e-5"],
+                          stderr=slave, stdout=subprocess.DEVNULL) as mesher:
+        os.close(slave)
+        drawn = b""
+        while True:
+            try:
+                piece = os.read(master, 4096)
+            except OSError:  # how Linux tells the other end's close
+                break
+            if not piece:
+                break
+            drawn += piece
+    os.close(master)
+    assert mesher.returncode == 0
+    assert b"tetrahedra" in drawn and b"refine" in drawn and drawn.endswith(b"\r\x1b[K")
+
+
+def children(pid):
+    return [int(p) for p in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text("ascii").split()]
+
+
+def test_private_daemon_ends_when_its_client_is_killed(tmp_path, cube):
+    with subprocess.Popen([TETRACTL, "mesh", cube, "-o", tmp_path / "a.node", "--max-volume", "1e-8"],
+                          stderr=subprocess.DEVNULL) as mesher:
+        end = time.monotonic() + PATIENCE
+        while not (daemons := children(mesher.pid)) or not (workers := children(daemons[0])):
+            assert time.monotonic() < end
+        ends = [os.pidfd_open(p) for p in daemons + workers]
+        mesher.kill()
+    for end_of in ends:
+        # A pidfd can be read when its process has ended.
+        assert select_one(end_of), "a process of the private daemon lives on"
+        os.close(end_of)
+    assert only(tmp_path, "cube.off")
+
+
+def select_one(descriptor):
+    return select.select([descriptor], [], [], PATIENCE)[0]

@@ -23,8 +23,8 @@ typedef struct server {
     void (*serve)(FILE *in, FILE *out); // after the hello
 } server;
 
-// The id of the next request; its body is dropped. 0 at the end of file.
-static long long next_request(FILE *in, const char *method) {
+// The id of the next request and the size of its body, which comes. 0 at the end of file.
+static long long next_line(FILE *in, const char *method, long long *ret_body) {
     char *line = NULL;
     size_t room = 0;
     if (getline(&line, &room, in) <= 0) {
@@ -35,10 +35,21 @@ static long long next_request(FILE *in, const char *method) {
     free(line);
     assert_string_equal(json_string_value(json_object_get(json, "method")), method);
     const long long id = json_integer_value(json_object_get(json, "id"));
-    long long body = json_integer_value(json_object_get(json, "body"));
+    *ret_body = json_integer_value(json_object_get(json, "body"));
+    json_decref(json);
+    return id;
+}
+
+static void drop(FILE *in, long long body) {
     while (body-- > 0 && fgetc(in) != EOF) {
     }
-    json_decref(json);
+}
+
+// The same, its body dropped.
+static long long next_request(FILE *in, const char *method) {
+    long long body = 0;
+    const long long id = next_line(in, method, &body);
+    drop(in, body);
     return id;
 }
 
@@ -123,10 +134,13 @@ static void reads_while_it_writes(void **state) {
 
 // Refuses the upload before it reads it, then drops it; the next request is fine.
 static void refuse_then_read(FILE *in, FILE *out) {
-    fputs("{\"jsonrpc\":\"2.0\",\"id\":2,\"error\":{\"code\":4,\"message\":\"no room\",\"data\":"
-          "{\"name\":\"busy\",\"retry_ms\":250,\"where\":\"body\"}}}\n", out);
+    long long body;
+    fprintf(out,
+            "{\"jsonrpc\":\"2.0\",\"id\":%lld,\"error\":{\"code\":4,\"message\":\"no room\",\"data\":"
+            "{\"name\":\"busy\",\"retry_ms\":250,\"where\":\"body\"}}}\n",
+            next_line(in, "mesh.submit", &body));
     fflush(out);
-    next_request(in, "mesh.submit");
+    drop(in, body);
     reply(out, next_request(in, "server.stats"), "{\"jobs\":3}");
 }
 
