@@ -4,8 +4,9 @@
  *   LOG(LOG_INFO, "job ended", log_text("job", id), log_real("seconds", s));
  *   ts=2026-01-31T12:00:00.123Z level=info msg="job ended" job=k3v9x.1 seconds=0.120
  *
- * One write(2) per line, so that lines of several processes do not mix. Values with
- * other than plain characters are quoted and escaped; a line over LOG_LINE bytes is cut. */
+ * One write(2) per line, so that lines of several processes do not mix; a line that
+ * would have to wait is lost. Values with other than plain characters are quoted and
+ * escaped; a line over LOG_LINE bytes is cut. */
 #ifndef TETRAD_SERVER_LOG_H
 #define TETRAD_SERVER_LOG_H
 

@@ -120,7 +120,7 @@ static void take_failed(worker *w, const json_t *params) {
   job *j = w->job;
   json_t *error = json_object_get(params, "error");
   json_int_t code = json_integer_value(json_object_get(error, "code"));
-  if (code <= TP_JOB_CODE_BASE || !tp_code_name(code) ||
+  if (code <= TP_JOB_CODE_BASE || code > TP_E_UPLOAD || !tp_code_name(code) ||
       !json_is_string(json_object_get(error, "message"))) {
     broken(w, "a job.failed without an error");
     return;

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -156,12 +157,21 @@ static void open_standard_descriptors(void) {
     if (fcntl(fd, F_GETFD) < 0) (void)!open("/dev/null", O_RDWR);
 }
 
+/* Connections and fetches need descriptors; the usual soft limit is for select(2). */
+static void raise_descriptor_limit(void) {
+  struct rlimit limit;
+  if (getrlimit(RLIMIT_NOFILE, &limit)) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int main(int argc, char **argv) {
   enum { USAGE = 2 };
   config cfg;
   char error[CONFIG_ERROR];
   int status = 0;
   open_standard_descriptors();
+  raise_descriptor_limit();
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN); /* a full quota is an error of write */
   config_init(&cfg);

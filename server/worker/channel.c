@@ -87,8 +87,9 @@ static void *control_main(void *arg) {
   for (;;) {
     ssize_t n = read(STDIN_FILENO, bytes, PIECE);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) _exit(0);
     pthread_mutex_lock(&ch->mutex);
+    if (n <= 0 && !ch->current) exit(0); /* with what is done at the end, as looking for leaks */
+    if (n <= 0) _exit(0);
     for (size_t at = 0; at < (size_t)n;) {
       tp_step step;
       tp_reader_next(ch->reader, bytes + at, (size_t)n - at, &step);

@@ -195,8 +195,10 @@ def test_a_killed_owner_ends_an_inherited_daemon(tmp_path):
         client = Client(ours)
         client.submit(LONG)
         pids = daemon.worker_pids()
+        ours.setblocking(True)  # the owner does nothing but read
         owner = subprocess.Popen(["cat"], stdin=ours, stdout=subprocess.DEVNULL)
         client.close()
+        assert owner.poll() is None
         owner.kill()
         owner.wait()
         assert daemon.wait() == 0
