@@ -254,21 +254,27 @@ static int collinear3(const pls_builder *b, uint32_t u, uint32_t v, uint32_t w) 
   return is_zero(n);
 }
 
+static uint32_t random_point(pls_builder *b, uint32_t size) {
+  double p[3];
+  for (int k = 0; k < 3; k++) p[k] = rng(size + 1);
+  return pls_point(b, p[0], p[1], p[2]);
+}
+
 /* Adds a random triangle, parallelogram (maybe with a parallelogram hole), segment or
  * point of the lattice. Returns its area. */
 static double add_random(pls_builder *b, uint32_t size) {
   uint32_t kind = rng(8);
   double o[3], u[3] = {0}, w[3] = {0};
-  for (int k = 0; k < 3; k++) o[k] = rng(size + 1);
-  uint32_t p = pls_point(b, o[0], o[1], o[2]);
+  uint32_t p = random_point(b, size);
+  memcpy(o, b->x + 3 * p, sizeof o);
   if (kind == 0) return 0;
   if (kind <= 4 || kind == 7) {
-    uint32_t q = pls_point(b, rng(size + 1), rng(size + 1), rng(size + 1));
+    uint32_t q = random_point(b, size);
     if (kind == 7) {
       pls_segment(b, 1, p, q);
       return 0;
     }
-    uint32_t r = pls_point(b, rng(size + 1), rng(size + 1), rng(size + 1));
+    uint32_t r = random_point(b, size);
     if (collinear3(b, p, q, r)) return 0;
     pls_triangle(b, (int32_t)rng(2), p, q, r);
     for (int k = 0; k < 3; k++) {
@@ -305,13 +311,13 @@ static double add_random(pls_builder *b, uint32_t size) {
 }
 
 /* The triangles of a facet of the test, which is a triangle, a parallelogram or one
- * with a parallelogram cut out. A hole is not cut out here. */
-static int facet_triangles(const pls_builder *b, uint32_t f, vec t[2][3]) {
+ * with a parallelogram cut out; `turn` says by which diagonal. A hole is not cut out. */
+static int facet_triangles(const pls_builder *b, uint32_t f, uint32_t turn, vec t[2][3]) {
   uint32_t p = b->facet_start[f], i0 = b->polygon_start[p], n = b->polygon_start[p + 1] - i0;
   for (uint32_t k = 0; k + 2 < n; k++) {
-    get(b->x, b->polygon_vertices[i0], t[k][0]);
-    get(b->x, b->polygon_vertices[i0 + k + 1], t[k][1]);
-    get(b->x, b->polygon_vertices[i0 + k + 2], t[k][2]);
+    get(b->x, b->polygon_vertices[i0 + turn], t[k][0]);
+    get(b->x, b->polygon_vertices[i0 + (turn + k + 1) % n], t[k][1]);
+    get(b->x, b->polygon_vertices[i0 + (turn + k + 2) % n], t[k][2]);
   }
   return (int)n - 2;
 }
@@ -375,9 +381,12 @@ static void check_refusal(const pls_builder *b, const tet_error *e, uint32_t see
     const tet_offence *o = &e->offences[i];
     if (o->kind[0] != TET_OFFENDER_FACET || o->kind[1] != TET_OFFENDER_FACET) continue;
     vec t[2][3], u[2][3];
-    int n = facet_triangles(b, o->index[0], t), m = facet_triangles(b, o->index[1], u), found = 0;
-    for (int j = 0; j < n; j++)
-      for (int k = 0; k < m; k++) found |= improper((const vec *)t[j], (const vec *)u[k]);
+    int found = 0;
+    for (uint32_t turns = 0; turns < 4; turns++) {
+      int n = facet_triangles(b, o->index[0], turns & 1, t), m = facet_triangles(b, o->index[1], turns >> 1, u);
+      for (int j = 0; j < n; j++)
+        for (int k = 0; k < m; k++) found |= improper((const vec *)t[j], (const vec *)u[k]);
+    }
     if (!found) fail_msg("seed %u: facets %u and %u do not cross", seed, o->index[0], o->index[1]);
   }
 }
