@@ -138,7 +138,7 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
 }
 
 static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_build_result *r) {
-  double tolerance = o->planarity_tolerance > 0 ? o->planarity_tolerance : 1e-9 * box_diagonal(&st->points);
+  double tolerance = o->planarity_tolerance > 0 ? o->planarity_tolerance : 1e-5 * box_diagonal(&st->points);
   uint32_t *face_tri = NULL;
   tet_stage_begin(st->ctx, "surface");
   tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, &st->surface);
