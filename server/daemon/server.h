@@ -66,6 +66,9 @@ struct server {
   int exit_status;
 };
 
+/* Runs the daemon until it is told to end; the process's exit status. */
+int server_run(const config *cfg);
+
 /* Monotonic and calendar clocks, seconds. */
 double clock_now(void);
 double clock_utc(void);
