@@ -15,10 +15,9 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from serving import BUILD, ROOT, TETRACTL
+
 SHARED = pathlib.Path(os.environ.get("TETRAD_SHARED", ROOT.parent / "shared"))
-BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
-TETRACTL = BUILD / "clients/tetractl"
 RADIUS_EDGE = 2.0
 MOST_EXCEPTIONS = 0.05  # of the tetrahedra
 ANY_NUMBER = "1000000000"
@@ -44,9 +43,9 @@ def table_rows():
     return [[c.strip() for c in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
 
 
-def is_open(model):
-    """Whether the model's surface dangles somewhere."""
-    return any(len(r) > 4 and r[1] == model.name and r[4].startswith("open") for r in table_rows())
+def may_dangle(model):
+    """Whether some of the model's facets may have no tetrahedron beside them."""
+    return any(len(r) > 4 and r[1] == model.name and not r[4].startswith("closed") for r in table_rows())
 
 
 def reference_over(model):
@@ -84,9 +83,29 @@ def as_off(model, scratch):
     return surface
 
 
+def medit_as_smesh(model, scratch):
+    """A Medit surface of triangles as .smesh, which keeps its markers."""
+    words = iter(model.read_text(encoding="ascii").split())
+    tables = {"Vertices": [], "Triangles": []}
+    for word in words:
+        if word in tables:
+            tables[word] = [[next(words) for _ in range(4)] for _ in range(int(next(words)))]
+    surface = pathlib.Path(scratch) / (model.stem + ".smesh")
+    with open(surface, "w", encoding="ascii") as f:
+        f.write(f"{len(tables['Vertices'])} 3 0 0\n")
+        f.writelines(f"{i} {' '.join(p[:3])}\n" for i, p in enumerate(tables["Vertices"], 1))
+        f.write(f"{len(tables['Triangles'])} 1\n")
+        f.writelines(f"3 {' '.join(t)}\n" for t in tables["Triangles"])
+        f.write("0\n0\n")
+    return surface
+
+
 def as_judge_reads(model, scratch):
     """The model in a format that the judge reads."""
-    return model if model.suffix.lower() in (".poly", ".smesh") else as_off(model, scratch)
+    suffix = model.suffix.lower()
+    if suffix in (".poly", ".smesh"):
+        return model
+    return medit_as_smesh(model, scratch) if suffix == ".mesh" else as_off(model, scratch)
 
 
 def run_mesher(model, out, *options, timeout=300):
@@ -101,7 +120,7 @@ def run_judge(program, model, prefix, *options):
     """The judge's faults on one mesh, as one line; empty where there are none."""
     with tempfile.TemporaryDirectory() as scratch:
         command = [program, as_judge_reads(model, scratch), prefix, *options]
-        if is_open(model):
+        if may_dangle(model):
             command += ["--allow-outside", ANY_NUMBER]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode == 0:

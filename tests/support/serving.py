@@ -12,6 +12,7 @@ import threading
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
 TETRAD, TETRACTL = BUILD / "server/tetrad", BUILD / "clients/tetractl"
+os.environ.setdefault("TETRAD_EXEC_PATH", str(BUILD / "server"))  # for tetractl's private daemon
 PATIENCE = 60  # seconds until a test gives a process up
 
 
