@@ -20,6 +20,7 @@
 typedef int64_t vec[3];
 
 static uint64_t rng_state;
+static double scale = 1; /* of the lattice, a power of two */
 
 static uint32_t rng(uint32_t n) {
   rng_state = rng_state * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -404,12 +405,18 @@ static int one(uint32_t seed, uint32_t items, uint32_t size) {
   pls_point(b, 50, 0, 0);
   pls_point(b, 0, 50, 0);
   pls_point(b, 0, 0, 50);
+  double *scaled = malloc(3 * b->pls.n_points * sizeof *scaled); /* b->x stays the lattice */
+  assert_non_null(scaled);
+  for (uint32_t i = 0; i < 3 * b->pls.n_points; i++) scaled[i] = b->x[i] * scale;
+  b->pls.points = b->points.x = scaled;
+  for (uint32_t i = 0; i < 3 * b->pls.n_facet_holes; i++) b->facet_holes[i] *= scale;
+  b->points.max_abs *= scale;
   assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
   tet_status st = pls_surface(b, ctx, &s);
   if (st == TET_OK) {
     const char *fault = surface_fault(&s, &b->points);
     if (!fault) fault = complex_fault(&s, b);
-    if (!fault && s.n_repeated_facets == 0 && fabs(surface_area(&s, &b->points) - area) > 1e-9) fault = "area lost";
+    if (!fault && scale == 1 && s.n_repeated_facets == 0 && fabs(surface_area(&s, &b->points) - area) > 1e-9) fault = "area lost";
     if (fault) fail_msg("seed %u, %u items, size %u: %s", seed, items, size, fault);
     tet_surface_free(ctx, &s);
   } else if (st == TET_E_INTERSECTION) {
@@ -420,20 +427,38 @@ static int one(uint32_t seed, uint32_t items, uint32_t size) {
   assert_int_equal(tet_ctx_bytes(ctx), 0);
   tet_ctx_free(ctx);
   pls_free(b);
+  free(scaled);
   return st == TET_OK;
 }
 
+static uint32_t run(uint32_t cases) {
+  uint32_t accepted = 0;
+  for (uint32_t seed = 0; seed < cases; seed++) accepted += (uint32_t)one(seed, 2 + seed % 5, 2 + seed / 5 % 4);
+  return accepted;
+}
+
 static void lattice(void **state) {
-  uint32_t accepted = 0, seed = 0, cases = 6000;
   const char *more = getenv("TETRAD_CASES");
+  uint32_t cases = more ? (uint32_t)strtoul(more, NULL, 10) : 6000, accepted = run(cases);
   (void)state;
-  if (more) cases = (uint32_t)strtoul(more, NULL, 10);
-  for (; seed < cases; seed++) accepted += (uint32_t)one(seed, 2 + seed % 5, 2 + seed / 5 % 4);
-  print_message("%u of %u accepted\n", accepted, seed);
-  assert_true(accepted > seed / 10 && accepted < seed);
+  print_message("%u of %u accepted\n", accepted, cases);
+  assert_true(accepted > cases / 10 && accepted < cases);
+}
+
+/* Nothing depends on the size of the coordinates, up to the limit and down to where
+ * a quarter of the lattice's step is the least double. */
+static void other_scales(void **state) {
+  static const double scales[] = {0x1p494, 0x1p-300, 0x1p-1070};
+  uint32_t expected = run(500);
+  (void)state;
+  for (int i = 0; i < 3; i++) {
+    scale = scales[i];
+    assert_int_equal(run(500), expected);
+  }
+  scale = 1;
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(lattice)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(lattice), cmocka_unit_test(other_scales)};
   return cmocka_run_group_tests_name("surface random", tests, NULL, NULL);
 }
