@@ -145,7 +145,7 @@ int cli_deliver(tetrad_client *client, const char *job, const json_t *object,
     json_t *report = make_report(object, mesh, args->first_index);
     int status = STATUS_CONNECTION;
     if (report == NULL) {
-        complain("the job has no report");
+        complain("the job has no report, or there is no memory for it");
     } else {
         status = write_files(args, mesh, report);
     }

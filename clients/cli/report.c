@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* report.c: the report of a mesh with the list of what breaks the promised bound. */
+#include <math.h>
+
 #include "clients/cli/cli.h"
 
 static const uint32_t *indices(const tetrad_mesh *mesh, const char *name, uint64_t rows) {
@@ -15,16 +17,27 @@ static json_t *segment_json(const tetrad_mesh *mesh, uint32_t row, int first_ind
     const tetrad_array *numbers = tetrad_mesh_find(mesh, "subsegment_segments");
     const tetrad_array *markers = tetrad_mesh_find(mesh, "subsegment_markers");
     if (subsegments == NULL || row >= subsegments->shape[0] || subsegments->shape[1] != 2 ||
-        numbers == NULL || row >= numbers->shape[0]) {
+        numbers == NULL || row >= numbers->shape[0] || subsegments->dtype != TETRAD_U4 ||
+        numbers->dtype != TETRAD_U4) {
         return json_null();
     }
     const uint32_t *ends = (const uint32_t *)subsegments->data + 2 * (size_t)row;
     const int32_t marker =
-        markers != NULL && row < markers->shape[0] ? ((const int32_t *)markers->data)[row] : 0;
+        markers != NULL && markers->dtype == TETRAD_I4 && row < markers->shape[0]
+            ? ((const int32_t *)markers->data)[row]
+            : 0;
     return json_pack("{s:I, s:i, s:[I,I]}", "number",
                      (json_int_t)((const uint32_t *)numbers->data)[row] + first_index, "marker",
                      (int)marker, "vertices", (json_int_t)ends[0] + first_index,
                      (json_int_t)ends[1] + first_index);
+}
+
+// Null for the ratio of a tetrahedron that is flat in doubles: JSON has no infinity.
+static json_t *ratio_json(const tetrad_array *ratios, uint64_t i) {
+    const double ratio = ratios != NULL && ratios->dtype == TETRAD_F8 && i < ratios->shape[0]
+                             ? ((const double *)ratios->data)[i]
+                             : INFINITY;
+    return isfinite(ratio) ? json_real(ratio) : json_null();
 }
 
 json_t *make_report(const json_t *job, const tetrad_mesh *mesh, int first_index) {
@@ -37,13 +50,11 @@ json_t *make_report(const json_t *job, const tetrad_mesh *mesh, int first_index)
     json_t *list = json_array();
     int failed = report == NULL || list == NULL;
     for (uint64_t i = 0; i < n && rows != NULL && !failed; i++) {
-        const double ratio = ratios != NULL && i < ratios->shape[0]
-                                 ? ((const double *)ratios->data)[i]
-                                 : 0;
-        json_t *segment = segments != NULL ? segment_json(mesh, segments[i], first_index) : json_null();
+        json_t *segment =
+            segments != NULL ? segment_json(mesh, segments[i], first_index) : json_null();
         failed = json_array_append_new(
-            list, json_pack("{s:I, s:f, s:o}", "tetrahedron", (json_int_t)rows[i] + first_index,
-                            "radius_edge", ratio, "segment", segment));
+            list, json_pack("{s:I, s:o, s:o}", "tetrahedron", (json_int_t)rows[i] + first_index,
+                            "radius_edge", ratio_json(ratios, i), "segment", segment));
     }
     if (!failed) {
         failed = json_object_set_new(report, "exceptions",
