@@ -63,6 +63,7 @@ static int spawn(const char *program, int fd, int log, pid_t *ret_pid) {
     snprintf(number, sizeof number, "%d", CHILD_FD);
     char name[] = "tetrad", option[] = "--inherit";
     char *const argv[] = {name, option, number, NULL};
+    static const char null[] = "/dev/null";
     sigset_t none;
     sigemptyset(&none);
     int failed = posix_spawn_file_actions_init(&actions);
@@ -76,8 +77,8 @@ static int spawn(const char *program, int fd, int log, pid_t *ret_pid) {
     // The log first: where it is number 3, the socket's place, it has its own by then.
     failed = posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO) != 0 ||
              posix_spawn_file_actions_adddup2(&actions, fd, CHILD_FD) != 0 ||
-             posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0) != 0 ||
-             posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0) != 0 ||
+             posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, null, O_RDONLY, 0) != 0 ||
+             posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, null, O_WRONLY, 0) != 0 ||
              posix_spawnattr_setpgroup(&attributes, 0) != 0 ||
              posix_spawnattr_setsigmask(&attributes, &none) != 0 ||
              posix_spawnattr_setflags(&attributes,

@@ -54,10 +54,13 @@ static const struct {
     const char *help;
 } options[] = {
     {"stage", 1, OPTION_STAGE, GROUP_JOB, "STAGE   delaunay, cdt or refine (default)"},
-    {"radius-edge", 1, OPTION_RADIUS_EDGE, GROUP_JOB, "R       bound of circumradius to shortest edge, >= 1 (2.0)"},
+    {"radius-edge", 1, OPTION_RADIUS_EDGE, GROUP_JOB,
+     "R       bound of circumradius to shortest edge, >= 1 (2.0)"},
     {"max-volume", 1, OPTION_MAX_VOLUME, GROUP_JOB, "V       largest volume of a tetrahedron"},
-    {"keep-hull", 0, OPTION_KEEP_HULL, GROUP_JOB, "        keep the convex hull: outside and holes stay"},
-    {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB, "D  how far out of plane a polygon may be"},
+    {"keep-hull", 0, OPTION_KEEP_HULL, GROUP_JOB,
+     "        keep the convex hull: outside and holes stay"},
+    {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB,
+     "D  how far out of plane a polygon may be"},
     {"neighbours", 0, OPTION_NEIGHBOURS, GROUP_JOB, "        write .neigh beside .node"},
     {"deadline", 1, OPTION_DEADLINE, GROUP_JOB, "SECONDS the job fails when they have passed"},
     {"memory", 1, OPTION_MEMORY, GROUP_JOB, "BYTES   the engine's budget (K, M or G may follow)"},
@@ -70,7 +73,8 @@ static const struct {
     {"report", 1, OPTION_REPORT, GROUP_OUTPUT, "FILE    the report as JSON"},
     {"first-index", 1, OPTION_FIRST_INDEX, GROUP_FIRST, "0|1     of .node and its companions (0)"},
     {"quiet", 0, 'q', GROUP_QUIET, "        nothing but errors"},
-    {"connect", 1, OPTION_CONNECT, 0, "ADDRESS unix:PATH or tcp:HOST:PORT (default: $TETRAD_CONNECT)"},
+    {"connect", 1, OPTION_CONNECT, 0,
+     "ADDRESS unix:PATH or tcp:HOST:PORT (default: $TETRAD_CONNECT)"},
     {"json", 0, OPTION_JSON, 0, "        print JSON"},
     {"help", 0, 'h', 0, ""},
     {"version", 0, OPTION_VERSION, 0, ""}};
@@ -86,7 +90,8 @@ static void print_usage(FILE *file) {
           "Tetrahedral meshes by the daemon tetrad.\n\n",
           file);
     for (const command *c = commands; c->name != NULL; c++) {
-        fprintf(file, "  %-7s %-6s %s\n", c->name, c->subject != NULL ? c->subject : "", c->summary);
+        fprintf(file, "  %-7s %-6s %s\n", c->name, c->subject != NULL ? c->subject : "",
+                c->summary);
     }
     fputs("\ntetractl COMMAND --help tells a command's options; --version, the version.\n"
           "Reads .poly .smesh .node .off .stl .ply .obj .mesh; writes .node .mesh .vtu .off.\n"

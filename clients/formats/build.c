@@ -89,11 +89,12 @@ void tf_build_region(tf_build *build, const double seed[3], double attribute, do
 }
 
 static void all_lists(tf_build *build, tf_list *lists[15]) {
-    tf_list *all[15] = {&build->points,        &build->point_attributes,  &build->point_markers,
-                        &build->polygon_vertices, &build->polygon_start,  &build->facet_start,
-                        &build->facet_markers, &build->facet_holes,       &build->facet_hole_start,
-                        &build->segments,      &build->segment_markers,   &build->holes,
-                        &build->region_seeds,  &build->region_attributes, &build->region_max_volumes};
+    tf_list *all[15] = {
+        &build->points,           &build->point_attributes, &build->point_markers,
+        &build->polygon_vertices, &build->polygon_start,    &build->facet_start,
+        &build->facet_markers,    &build->facet_holes,      &build->facet_hole_start,
+        &build->segments,         &build->segment_markers,  &build->holes,
+        &build->region_seeds,     &build->region_attributes, &build->region_max_volumes};
     memcpy(lists, all, sizeof all);
 }
 

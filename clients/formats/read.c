@@ -31,8 +31,8 @@ tf_status tf_format_of(const char *path, tf_format *ret_format, tf_error *error)
             return TF_OK;
         }
     }
-    return tf_error_set(error, TF_E_FORMAT, "%s: the extension '%s' is of no format known here", path,
-                        extension);
+    return tf_error_set(error, TF_E_FORMAT, "%s: the extension '%s' is of no format known here",
+                        path, extension);
 }
 
 void tf_pls_free(tf_pls *pls) {

@@ -53,7 +53,8 @@ static uint32_t read_vertex(tf_text *text, tf_token token, size_t so_far, size_t
     }
     const long long vertex = index > 0 ? index - 1 : (long long)so_far + index;
     if (!number) {
-        tf_text_fail(text, "'%.*s' is no vertex", (int)(token.size < 40 ? token.size : 40), token.at);
+        tf_text_fail(text, "'%.*s' is no vertex", (int)(token.size < 40 ? token.size : 40),
+                     token.at);
     } else if (index == 0 || vertex < 0 || vertex >= (long long)total) {
         tf_text_fail(text, "vertex %lld is outside 1 to %zu", index, total);
     }

@@ -230,7 +230,8 @@ static void fail(ply *p, const char *what) {
 
 static void read_list(ply *p, const property *list, size_t n_points, tf_build *build) {
     const double length = next_value(p, list->count_type, true);
-    if (!p->text.failed && !(length >= 0 && length <= UINT32_MAX && (double)(uint32_t)length == length)) {
+    if (!p->text.failed &&
+        !(length >= 0 && length <= UINT32_MAX && (double)(uint32_t)length == length)) {
         fail(p, "the length of a list is no natural number");
     }
     if (!p->text.failed && list->role == POLYGON && length < 3) {

@@ -6,7 +6,8 @@
 #include "clients/formats/readers.h"
 
 void tf_text_place(tf_text *text, double place[3]) {
-    static const char *const names[3] = {"the x coordinate", "the y coordinate", "the z coordinate"};
+    static const char *const names[3] = {"the x coordinate", "the y coordinate",
+                                         "the z coordinate"};
     for (int i = 0; i < 3; i++) {
         place[i] = tf_text_real(text, names[i]);
     }
@@ -42,12 +43,10 @@ static node_header read_node_header(tf_text *text) {
     header.markers = optional_integer(text, "the boundary marker flag", 0, 1, 0) != 0;
     tf_text_row_end(text);
     // Each attribute takes a digit and a blank at least.
-    if (!text->failed &&
-        header.attributes > (size_t)(text->end - text->at) / 2 / (header.count > 0 ? header.count : 1)) {
-        if (header.count > 0) {
-            tf_text_fail(text, "%zu attributes of %zu points are more than the file can hold",
-                         header.attributes, header.count);
-        }
+    if (header.count > 0 &&
+        header.attributes > (size_t)(text->end - text->at) / 2 / header.count) {
+        tf_text_fail(text, "%zu attributes of %zu points are more than the file can hold",
+                     header.attributes, header.count);
     }
     return header;
 }
@@ -111,7 +110,8 @@ static void read_facet(tf_text *text, bool smesh, int64_t first, tf_build *build
         tf_build_facet_end(build, marker);
         return;
     }
-    const size_t n_polygons = tf_text_count(text, "the number of the facet's polygons", sizeof "1 1");
+    const size_t n_polygons =
+        tf_text_count(text, "the number of the facet's polygons", sizeof "1 1");
     const size_t n_holes = (size_t)optional_integer(text, "the number of the facet's holes", 0,
                                                     UINT32_MAX - 1, 0);
     const int32_t marker = read_marker(text);

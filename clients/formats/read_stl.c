@@ -186,7 +186,8 @@ tf_status tf_read_stl(const tf_file *file, tf_build *build, tf_error *error) {
             status = text.failed ? error->status : TF_OK;
         } else if (file->size >= PREFIX) {
             status = tf_error_set(error, TF_E_MALFORMED,
-                                  "%s: a binary .stl of %llu triangles has %llu bytes, this has %zu",
+                                  "%s: a binary .stl of %llu triangles has %llu bytes, this has "
+                                  "%zu",
                                   file->name, (unsigned long long)told,
                                   (unsigned long long)(PREFIX + told * RECORD), file->size);
         } else {

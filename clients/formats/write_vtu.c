@@ -22,10 +22,12 @@ typedef struct vtu {
 } vtu;
 
 static void print_base64(FILE *file, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    static const char digits[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
         const size_t left = size - i;
-        const uint32_t bits = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
+        const uint32_t bits = (uint32_t)bytes[i] << 16 |
+                              (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
                               (left > 2 ? bytes[i + 2] : 0);
         const char four[4] = {digits[bits >> 18], digits[bits >> 12 & 63],
                               left > 1 ? digits[bits >> 6 & 63] : '=',
@@ -45,7 +47,8 @@ static void print_compressed(vtu *w, const void *data, size_t size) {
     for (size_t i = 0; i < n && !failed; i++) {
         const size_t raw = size - i * BLOCK < BLOCK ? size - i * BLOCK : BLOCK;
         uLongf bytes = compressBound(BLOCK);
-        failed = compress2(packed + at, &bytes, (const unsigned char *)data + i * BLOCK, raw, 6) != Z_OK;
+        const unsigned char *block = (const unsigned char *)data + i * BLOCK;
+        failed = compress2(packed + at, &bytes, block, raw, 6) != Z_OK;
         head[3 + i] = bytes;
         at += bytes;
     }
@@ -63,8 +66,9 @@ static void print_compressed(vtu *w, const void *data, size_t size) {
 
 static void print_array(vtu *w, const char *type, const char *name, unsigned columns,
                         const void *data, size_t size) {
-    fprintf(w->file, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%u\" format=\"binary\">",
-            type, name, columns);
+    fprintf(w->file,
+            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%u\" format=\"binary\">", type,
+            name, columns);
     print_compressed(w, data, size);
     fputs("</DataArray>\n", w->file);
 }

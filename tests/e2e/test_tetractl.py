@@ -20,7 +20,7 @@ import zlib
 import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from serving import PATIENCE, ROOT, TETRACTL, Daemon  # noqa: E402
+from serving import PATIENCE, ROOT, TETRACTL, Daemon, free_port  # noqa: E402
 
 BRACKET = ROOT / "tests/support/parts/bracket.poly"
 
@@ -354,6 +354,18 @@ def test_private_daemon_ends_when_its_client_is_killed(tmp_path, cube):
         assert select_one(end_of), "a process of the private daemon lives on"
         os.close(end_of)
     assert only(tmp_path, "cube.off")
+
+
+def test_every_codec_brings_the_same_mesh_over_tcp(tmp_path):
+    port, written = free_port(), []
+    with Daemon("--tcp", f"127.0.0.1:{port}", "--workers", 1):
+        for codec in ("mesh", "zlib", "raw"):
+            out = tmp_path / f"{codec}.node"
+            done = tetractl("mesh", BRACKET, "-o", out, "--codec", codec, "--quiet",
+                            "--connect", f"tcp:127.0.0.1:{port}")
+            assert done.returncode == 0, done.stderr
+            written.append([out.with_suffix(s).read_bytes() for s in (".node", ".ele", ".face", ".edge")])
+    assert written[0] == written[1] == written[2]
 
 
 def select_one(descriptor):
