@@ -280,7 +280,8 @@ static tet_status triangulate_facet(tet_facet_work *w, int first_round) {
   for (uint32_t p = tet_first_polygon(pls, w->facet); p < tet_first_polygon(pls, w->facet + 1); p++)
     if ((st = add_loop(w, p)) != TET_OK) return st;
   for (uint32_t l = 0; l < w->n_loops; l++)
-    if (is_degenerate(w, l)) return fault_at(w, TET_E_DEGENERATE, "has a polygon without area", w->loop[w->loop_start[l]]);
+    if (is_degenerate(w, l))
+      return fault_at(w, TET_E_DEGENERATE, "has a polygon without area", w->loop[w->loop_start[l]]);
   uint32_t j = first_of(s->join, s->n_joins, sizeof *s->join, w->facet);
   uint32_t t = first_of(s->constraint, s->n_constraints, sizeof *s->constraint, w->facet);
   int alone = (j == s->n_joins || s->join[j].facet != w->facet) &&

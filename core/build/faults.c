@@ -69,7 +69,7 @@ static void tell(const tet_soup *s, const tet_fault *f, uint32_t n) {
     tet_fail(s->ctx, f->status,
              "facet %u (marker %d) is out of plane by %.3g, the tolerance is %.3g; %u such facets in all",
              o->index[0], o->marker[0], f->amount, s->tolerance, n);
-  else if (f->what)
+  else if (o->index[1] == TET_NONE)
     tet_fail(s->ctx, f->status, "%s %u (marker %d) %s near (%.9g, %.9g, %.9g); %u such in all", k0,
              o->index[0], o->marker[0], f->what, x[0], x[1], x[2], n);
   else if (o->kind[0] == o->kind[1] && o->index[0] == o->index[1])
@@ -77,8 +77,9 @@ static void tell(const tet_soup *s, const tet_fault *f, uint32_t n) {
              k0, o->index[0], o->marker[0], x[0], x[1], x[2], n);
   else
     tet_fail(s->ctx, f->status,
-             "%s %u (marker %d) and %s %u (marker %d) cross near (%.9g, %.9g, %.9g); %u pairs in all", k0,
-             o->index[0], o->marker[0], k1, o->index[1], o->marker[1], x[0], x[1], x[2], n);
+             "%s %u (marker %d) and %s %u (marker %d) %s near (%.9g, %.9g, %.9g); %u pairs in all", k0,
+             o->index[0], o->marker[0], k1, o->index[1], o->marker[1], f->what ? f->what : "cross", x[0], x[1],
+             x[2], n);
 }
 
 tet_status tet_soup_fail(tet_soup *s) {

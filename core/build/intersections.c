@@ -48,8 +48,8 @@ static tet_status note_constraint(finder *f, uint32_t facet, ends e, tet_offende
 }
 
 static tet_status note_fault(finder *f, tet_offender_kind k0, uint32_t i0, tet_offender_kind k1, uint32_t i1,
-                             const double place[3]) {
-  tet_fault fault = {.status = TET_E_INTERSECTION};
+                             const char *what, const double place[3]) {
+  tet_fault fault = {.status = TET_E_INTERSECTION, .what = what};
   fault.offence = (tet_offence){.kind = {k0, k1}, .index = {i0, i1}, .place = {place[0], place[1], place[2]}};
   return tet_soup_fault(f->s, &fault);
 }
@@ -135,7 +135,7 @@ static tet_status segment_triangle(finder *f, const segment *g, uint32_t tri) {
     if (g->fixed) return note_constraint(f, facet, g->e, g->kind, g->owner);
   }
   crossing_place(f, g->e, t, place);
-  return note_fault(f, TET_OFFENDER_FACET, facet, g->kind, g->owner, place);
+  return note_fault(f, TET_OFFENDER_FACET, facet, g->kind, g->owner, NULL, place);
 }
 
 /* Two triangles in one plane. */
@@ -162,7 +162,7 @@ static tet_status coplanar_triangles(finder *f, uint32_t i, uint32_t j) {
   if (apart) return TET_OK;
   double place[3];
   middle_place(f, t[0], place);
-  return note_fault(f, TET_OFFENDER_FACET, facet[0], TET_OFFENDER_FACET, facet[1], place);
+  return note_fault(f, TET_OFFENDER_FACET, facet[0], TET_OFFENDER_FACET, facet[1], "overlap", place);
 }
 
 /* Vertices and sides of triangle i, with signs o[], against triangle j. */
@@ -210,7 +210,7 @@ static tet_status edge_neighbours(finder *f, uint32_t i, uint32_t j, int coplana
       if (!((a == p && b == q) || (a == q && b == p))) continue;
       if (s->edge[3 * (size_t)i + (size_t)c] || s->edge[3 * (size_t)j + (size_t)d]) return TET_OK;
       for (int k = 0; k < 3; k++) place[k] = 0.5 * tet_soup_x(s, a)[k] + 0.5 * tet_soup_x(s, b)[k];
-      return note_fault(f, TET_OFFENDER_FACET, s->facet[i], TET_OFFENDER_FACET, s->facet[j], place);
+      return note_fault(f, TET_OFFENDER_FACET, s->facet[i], TET_OFFENDER_FACET, s->facet[j], NULL, place);
     }
   return TET_OK;
 }
@@ -224,7 +224,7 @@ static tet_status triangle_triangle(finder *f, uint32_t i, uint32_t j) {
   double place[3];
   if (shared == 3) {
     middle_place(f, t, place);
-    return note_fault(f, TET_OFFENDER_FACET, s->facet[i], TET_OFFENDER_FACET, s->facet[j], place);
+    return note_fault(f, TET_OFFENDER_FACET, s->facet[i], TET_OFFENDER_FACET, s->facet[j], "overlap", place);
   }
   int clear = one_sided(f, t, u, o);
   if (shared == 2) return edge_neighbours(f, i, j, !clear);
@@ -284,7 +284,8 @@ static int segments_cross(const finder *f, ends g, ends h) {
   for (int axis = 0; axis < 3; axis++) {
     int s1 = tet_orient2d(f->points, axis, g.a, g.b, h.a), s2 = tet_orient2d(f->points, axis, g.a, g.b, h.b);
     if (s1 == 0 && s2 == 0) continue;
-    return s1 * s2 < 0 && tet_orient2d(f->points, axis, h.a, h.b, g.a) * tet_orient2d(f->points, axis, h.a, h.b, g.b) < 0;
+    int s3 = tet_orient2d(f->points, axis, h.a, h.b, g.a), s4 = tet_orient2d(f->points, axis, h.a, h.b, g.b);
+    return s1 * s2 < 0 && s3 * s4 < 0;
   }
   return 0;
 }
@@ -300,7 +301,7 @@ static tet_status piece_piece(finder *f, uint32_t p, uint32_t q) {
   if (!segments_cross(f, g.e, h.e)) return TET_OK;
   double place[3];
   for (int k = 0; k < 3; k++) place[k] = 0.5 * tet_soup_x(f->s, g.e.a)[k] + 0.5 * tet_soup_x(f->s, g.e.b)[k];
-  return note_fault(f, g.kind, g.owner, h.kind, h.owner, place);
+  return note_fault(f, g.kind, g.owner, h.kind, h.owner, NULL, place);
 }
 
 static tet_status test_pair(void *user, uint32_t i, uint32_t j) {

@@ -48,7 +48,7 @@ typedef struct tet_fault {
   tet_status status;
   tet_offence offence;
   double amount; /* not planar: the deviation */
-  const char *what; /* completes "facet 12 ..."; NULL: two things cross */
+  const char *what; /* completes "facet 12 ...", or "facets 12 and 15 ..."; NULL: cross */
 } tet_fault;
 
 typedef struct tet_soup {

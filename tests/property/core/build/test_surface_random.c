@@ -376,13 +376,31 @@ static int improper(const vec t[3], const vec u[3]) {
   return cross_between_vertices(t, u);
 }
 
+/* A side of facet f, one of a hole too, crosses a side of facet g. */
+static int borders_cross(const pls_builder *b, uint32_t f, uint32_t g) {
+  uint32_t facet[2] = {f, g}, n[2] = {0};
+  vec side[2][16][2];
+  for (int k = 0; k < 2; k++)
+    for (uint32_t p = b->facet_start[facet[k]]; p < b->facet_start[facet[k] + 1]; p++) {
+      uint32_t i0 = b->polygon_start[p], m = b->polygon_start[p + 1] - i0;
+      for (uint32_t i = 0; i < m; i++, n[k]++) {
+        get(b->x, b->polygon_vertices[i0 + i], side[k][n[k]][0]);
+        get(b->x, b->polygon_vertices[i0 + (i + 1) % m], side[k][n[k]][1]);
+      }
+    }
+  for (uint32_t i = 0; i < n[0]; i++)
+    for (uint32_t j = 0; j < n[1]; j++)
+      if (sides_cross(side[0][i][0], side[0][i][1], side[1][j][0], side[1][j][1])) return 1;
+  return 0;
+}
+
 static void check_refusal(const pls_builder *b, const tet_error *e, uint32_t seed) {
   assert_true(e->n_offences >= 1 && e->n_listed >= 1);
   for (uint32_t i = 0; i < e->n_listed; i++) {
     const tet_offence *o = &e->offences[i];
     if (o->kind[0] != TET_OFFENDER_FACET || o->kind[1] != TET_OFFENDER_FACET) continue;
     vec t[2][3], u[2][3];
-    int found = 0;
+    int found = borders_cross(b, o->index[0], o->index[1]);
     for (uint32_t turns = 0; turns < 4; turns++) {
       int n = facet_triangles(b, o->index[0], turns & 1, t), m = facet_triangles(b, o->index[1], turns >> 1, u);
       for (int j = 0; j < n; j++)

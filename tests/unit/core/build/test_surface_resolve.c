@@ -151,6 +151,7 @@ static void overlap(void **state) {
   uint32_t g = pls_triangle(f->b, 1, p, q, r);
   pls_point(f->b, 0, 0, 9);
   refused(f, 0, g);
+  assert_non_null(strstr(tet_ctx_error(f->ctx)->message, "facet 0 (marker 1) and facet 1 (marker 1) overlap"));
 }
 
 static void overlap_inside(void **state) {
