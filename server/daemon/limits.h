@@ -16,6 +16,7 @@ enum {
   WORKER_INPUT = 2 << 20,
   CHUNK_MAX = 64 << 20,     /* encoded; rows of more than 1 MiB make large chunks */
   CANCEL_GRACE_MS = 80,     /* from job.cancel to SIGKILL */
+  END_GRACE_MS = 500,       /* from the end of its stream to SIGKILL */
   RESPAWN_FIRST_MS = 50,    /* doubled for each failed start in a row */
   RESPAWN_LAST_MS = 10000,
   START_ATTEMPTS = 3,       /* of the first worker, before the daemon gives up */

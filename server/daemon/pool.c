@@ -119,9 +119,10 @@ static void on_process_end(evutil_socket_t fd, short what, void *arg) {
 static void on_stream_end(struct bufferevent *bev, short what, void *arg) {
   worker *w = arg;
   (void)bev, (void)what;
+  struct timeval after = milliseconds(END_GRACE_MS);
   w->stream_ended = true;
   if (w->has_ended) worker_gone(w);
-  else spawn_kill(&w->process); /* dying already, or as good as dead */
+  else if (!evtimer_pending(w->grace, NULL)) evtimer_add(w->grace, &after); /* dying, mostly */
 }
 
 static void on_written(struct bufferevent *bev, void *arg) {
@@ -182,15 +183,17 @@ static void worker_start(worker *w) {
   schedule_respawn(w);
 }
 
+/* It did not give up its job, or closed its stream and lives. */
 static void on_grace(evutil_socket_t fd, short what, void *arg) {
   worker *w = arg;
   job *j = w->job;
   (void)fd, (void)what;
   w->job = NULL;
-  LOG(LOG_WARNING, "worker does not give up its job", log_int("worker", w->process.pid),
-      log_text("job", j->id));
+  LOG(LOG_WARNING, "worker is killed", log_int("worker", w->process.pid),
+      log_text("why", w->stream_ended ? "it closed its stream" : "it does not give up its job"),
+      log_text("job", j ? j->id : NULL));
   worker_kill(w);
-  jobs_fail(w->server, j, NULL, NULL);
+  if (j) jobs_fail_with(w->server, j, TP_E_WORKER_EXITED, NULL, "the worker closed its stream");
 }
 
 pool *pool_create(server *s) {

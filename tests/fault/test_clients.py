@@ -5,9 +5,10 @@ delay nobody, and lose no job."""
 import json
 import os
 import socket
+import subprocess
 
 import pytest
-from harness import Client, Daemon, Refused, cloud
+from harness import Client, Daemon, Refused, cloud, program
 
 SOON = {"limits": {"stall_ms": 500}}
 
@@ -196,8 +197,6 @@ def test_tcp_needs_hello_and_the_token(tmp_path):
 
 
 def test_a_served_socket_is_not_taken_away(tmp_path):
-    import subprocess
-    from harness import program
     with Daemon(tmp_path, workers=1) as daemon:
         second = subprocess.run([program("tetrad"), "--unix", daemon.path, "--spool", str(tmp_path)],
                                 stderr=subprocess.PIPE, text=True, timeout=60)

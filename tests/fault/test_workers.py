@@ -3,11 +3,13 @@
 
 import os
 import random
+import resource
 import signal
+import subprocess
 import threading
 
 import pytest
-from harness import Daemon, Refused, cloud, sanitized, wait_dead
+from harness import Daemon, Refused, cloud, program, sanitized, wait_dead
 
 LONG = 400000  # points: seconds of work
 
@@ -57,6 +59,18 @@ def test_the_systems_limit_ends_a_job(tmp_path):
         assert client.call("job.wait", job=client.submit(100))["state"] == "done"
 
 
+def test_a_worker_shares_nothing_with_the_daemon(tmp_path):
+    with Daemon(tmp_path, workers=1) as daemon, daemon.connect() as client:
+        client.call("job.wait", job=client.submit(100))
+        pid, = daemon.worker_pids()
+        assert sorted(map(int, os.listdir(f"/proc/{pid}/fd"))) == [0, 1, 2]
+        assert os.getpgid(pid) == pid
+        with open(f"/proc/{pid}/oom_score_adj") as f:
+            assert int(f.read()) == 1000
+        soft, _ = resource.prlimit(pid, resource.RLIMIT_DATA)
+        assert (soft == resource.RLIM_INFINITY) == sanitized()
+
+
 def test_workers_end_with_a_killed_daemon(tmp_path):
     daemon = Daemon(tmp_path, workers=2)
     with daemon.connect() as client:
@@ -73,8 +87,6 @@ def test_workers_end_with_a_killed_daemon(tmp_path):
 
 
 def test_workers_that_cannot_start_end_the_daemon(tmp_path):
-    from harness import program
-    import subprocess
     run = subprocess.run([program("tetrad"), "--unix", str(tmp_path / "s"), "--spool", str(tmp_path),
                           "--worker-prefix", "false"], stderr=subprocess.PIPE, text=True, timeout=60)
     assert run.returncode == 1
