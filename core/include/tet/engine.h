@@ -33,7 +33,7 @@ typedef struct tet_options {
   tet_stage stage;
   double radius_edge;          /* bound rho_0; >= 1; default 2.0 */
   double max_volume;           /* of every tetrahedron; 0: none */
-  int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2) */
+  int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
   int neighbours;              /* deliver the neighbours array */
   tet_point_order point_order; /* with HILBERT, point_same_as gives each input vertex's row */

@@ -126,6 +126,11 @@ static void options(void **state) {
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   }
   tet_options_default(&o);
+  o.keep_hull = 1; /* there are no facets on the hull that refinement could split */
+  assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
+  o.stage = TET_STAGE_CDT;
+  assert_int_equal(tet_check_options(ctx, &o), TET_OK);
+  tet_options_default(&o);
   o.stage = (tet_stage)3;
   assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   tet_options_default(&o);
