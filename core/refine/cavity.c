@@ -146,19 +146,68 @@ static int trim_pass(refiner *r, tet_status *ret_status) {
   return changed;
 }
 
-/* 1 if edge ab is on the cavity's boundary. */
-static int edge_stays(const refiner *r, uint32_t a, uint32_t b) {
-  const refine_cavity *c = &r->cavity;
-  for (uint32_t k = 0; k < c->faces.n; k++) {
-    uint32_t t = c->faces.at[k] >> 2, i = c->faces.at[k] & 3;
-    uint32_t x = refine_corner(r, t, a), y = refine_corner(r, t, b);
-    if (x != 4 && y != 4 && x != i && y != i) return 1;
+/* Keeps edge ab, a subsegment with tetrahedra of the cavity all around, on the
+ * boundary: takes the one out that is on its far side from p. All in conflict, the
+ * edge is encroached and will be split, which heals what is no longer Delaunay.
+ * 1 if one was taken out, -1 if none can be. */
+static int keep_edge(refiner *r, uint32_t a, uint32_t b) {
+  refine_cavity *c = &r->cavity;
+  uint32_t far = TET_NONE;
+  for (uint32_t k = 0; k < c->tets.n; k++) {
+    uint32_t t = c->tets.at[k], x = refine_corner(r, t, a), y = refine_corner(r, t, b);
+    if (x == 4 || y == 4 || !(r->tet_mark[t] & MARK_IN)) continue;
+    int behind = !(r->tet_mark[t] & MARK_NEEDED);
+    for (uint32_t i = 0; i < 4; i++) {
+      if (i == x || i == y) continue;
+      if (is_boundary(r, 4 * t + i)) return 0;
+      const uint32_t *v = r->tet_v + 4 * (size_t)t;
+      const uint8_t *f = refine_face[i];
+      behind = behind && tet_orient3d(&r->points, c->p, v[f[0]], v[f[1]], v[f[2]]) < 0;
+    }
+    if (behind) far = t;
   }
-  return 0;
+  if (far == TET_NONE) return -1;
+  r->tet_mark[far] = MARK_OUT | MARK_REMOVED;
+  c->reshaped = 1;
+  return 1;
 }
 
-/* Lists boundary faces and vertices; *ret_ok = 0 if a vertex or a loose
- * subsegment would be lost inside. */
+/* 1 if every subface at subsegment e is replaced, so that none keeps it. */
+static int all_replaced(const refiner *r, uint32_t e) {
+  uint32_t first = r->seg_sub[e], h = first;
+  if (first != TET_NONE) do {
+    if (!(r->sub_mark[h / 3] & 1)) return 0;
+    h = r->ring[h];
+  } while (h != first);
+  return 1;
+}
+
+/* keep_edge for all subsegments that could be lost. */
+static int keep_edges(refiner *r) {
+  refine_cavity *c = &r->cavity;
+  int changed = 0;
+  for (uint32_t k = 0; k < 3 * c->subs.n && changed >= 0; k++) {
+    uint32_t s = c->subs.at[k / 3], h = 3 * s + k % 3, e = r->sub_seg[h];
+    if (e == TET_NONE || e == c->segment || !all_replaced(r, e)) continue;
+    int kept = keep_edge(r, r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1]);
+    changed = kept < 0 ? -1 : changed | kept;
+  }
+  for (uint32_t k = 0; k < c->tets.n && changed >= 0; k++) {
+    uint32_t t = c->tets.at[k];
+    if (!(r->tet_edges[t] & EDGE_LOOSE) || !(r->tet_mark[t] & MARK_IN)) continue;
+    for (int i = 0; i < 6 && changed >= 0; i++) {
+      if (!(r->tet_edges[t] >> i & 1)) continue;
+      const uint32_t *v = r->tet_v + 4 * (size_t)t;
+      uint32_t e = refine_find_seg(r, v[refine_edge[i][0]], v[refine_edge[i][1]]);
+      if (e == c->segment || r->seg_sub[e] != TET_NONE) continue;
+      int kept = keep_edge(r, v[refine_edge[i][0]], v[refine_edge[i][1]]);
+      changed = kept < 0 ? -1 : changed | kept;
+    }
+  }
+  return changed;
+}
+
+/* Lists boundary faces and vertices; *ret_ok = 0 if a vertex would be lost inside. */
 static tet_status list_boundary(refiner *r, int *ret_ok) {
   refine_cavity *c = &r->cavity;
   uint32_t now = ++r->stamp_now;
@@ -185,12 +234,6 @@ static tet_status list_boundary(refiner *r, int *ret_ok) {
     const uint32_t *v = r->tet_v + 4 * (size_t)t;
     for (int i = 0; i < 4; i++)
       if (r->stamp[v[i]] != now) *ret_ok = 0;
-    if (!(r->tet_edges[t] & EDGE_LOOSE)) continue;
-    for (int e = 0; e < 6; e++) {
-      if (!(r->tet_edges[t] >> e & 1)) continue;
-      uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]], g = refine_find_seg(r, a, b);
-      if (g != c->segment && !edge_stays(r, a, b)) *ret_ok = 0;
-    }
   }
   return status;
 }
@@ -202,10 +245,14 @@ tet_status refine_cavity_trim(refiner *r, int *ret_ok) {
   tet_status status = TET_OK;
   int pass;
   *ret_ok = 0;
-  while ((pass = trim_pass(r, &status)) > 0) continue;
+  do {
+    pass = trim_pass(r, &status);
+    if (!pass) pass = keep_edges(r);
+  } while (pass > 0);
   if (status || pass < 0) return status;
   *ret_ok = 1;
   status = list_boundary(r, ret_ok);
-  if (!status && c->subs.n) status = refine_facet_cavity_rim(r);
-  return status;
+  if (status || !c->subs.n || !*ret_ok) return status;
+  status = refine_facet_cavity_rim(r);
+  return status ? status : refine_cavity_is_sound(r, ret_ok);
 }

@@ -4,6 +4,21 @@
  * mesh the apexes of the adjacent tetrahedra are all that need be looked at. */
 #include "refine/refiner.h"
 
+#include <math.h>
+
+/* Cosine of the angle at v over ab, about. */
+static double cosine_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) {
+  const double *x = refine_x(r, a), *y = refine_x(r, b), *z = refine_x(r, v);
+  double pq = 0, pp = 0, qq = 0;
+  for (int i = 0; i < 3; i++) {
+    double p = x[i] - z[i], q = y[i] - z[i];
+    pq += p * q;
+    pp += p * p;
+    qq += q * q;
+  }
+  return pq / sqrt(pp * qq);
+}
+
 int refine_seg_hit_by(const refiner *r, uint32_t e, uint32_t vertex) {
   return tet_dot_sign(&r->points, r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1], vertex) < 0;
 }
@@ -21,17 +36,26 @@ int refine_sub_encroached(const refiner *r, uint32_t s) {
   return 0;
 }
 
-/* Uses hit_subs as scratch. */
-tet_status refine_seg_encroached(refiner *r, uint32_t e, int *ret_yes) {
-  refine_list star = {0};
-  uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
-  tet_status status = refine_seg_star(r, e, &star);
-  *ret_yes = 0;
-  for (uint32_t k = 0; k < 4 * star.n && !status && !*ret_yes; k++) {
-    uint32_t v = r->tet_v[4 * (size_t)star.at[k / 4] + k % 4];
-    *ret_yes = v != a && v != b && refine_seg_hit_by(r, e, v);
+/* The vertex deepest in the diametric ball of subsegment e, that is with the
+ * widest angle over it, or TET_NONE. */
+tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by) {
+  refine_list *star = &r->star;
+  uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1], last = TET_NONE;
+  double widest = 2;
+  star->n = 0;
+  tet_status status = refine_seg_star(r, e, star);
+  *ret_by = TET_NONE;
+  for (uint32_t k = 0; k < 4 * star->n && !status; k++) {
+    uint32_t v = r->tet_v[4 * (size_t)star->at[k / 4] + k % 4];
+    if (v == a || v == b || v == last) continue;
+    last = v;
+    if (!refine_seg_hit_by(r, e, v)) continue;
+    double cosine = cosine_over(r, a, b, v);
+    if (cosine < widest || (cosine == widest && v < *ret_by)) {
+      widest = cosine;
+      *ret_by = v;
+    }
   }
-  tet_free(r->ctx, star.at);
   return status;
 }
 

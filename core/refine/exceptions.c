@@ -84,10 +84,10 @@ tet_status refine_check(refiner *r) {
   tet_refine_result *ret = &r->result;
   ret->gabriel = ret->constrained_delaunay = 1;
   for (uint32_t e = 0; e < r->n_segs && ret->gabriel; e++) {
-    int hit;
-    tet_status status = refine_seg_encroached(r, e, &hit);
+    uint32_t by;
+    tet_status status = refine_seg_encroached(r, e, &by);
     if (status) return status;
-    ret->gabriel = !hit;
+    ret->gabriel = by == TET_NONE;
   }
   for (uint32_t s = 0; s < r->n_subs && ret->gabriel; s++)
     ret->gabriel = r->sub_v[3 * (size_t)s] == TET_NONE || !refine_sub_encroached(r, s);

@@ -32,16 +32,75 @@ static tet_status span_face(refiner *r, uint32_t h) {
   return TET_OK;
 }
 
-/* The new subface on the rim edge ab of replaced subface s. */
-static uint32_t rim_sub(const refiner *r, uint32_t s, uint32_t a, uint32_t b) {
+/* The rim edge ab of replaced subface s, or TET_NONE. */
+static uint32_t rim_edge(const refiner *r, uint32_t s, uint32_t a, uint32_t b) {
   const refine_cavity *c = &r->cavity;
   for (uint32_t k = 0; k < c->rim.n; k++) {
     uint32_t h = c->rim.at[k];
     if (h / 3 != s) continue;
     uint32_t x = r->sub_v[h], y = r->sub_v[3 * s + (h + 1) % 3];
-    if ((x == a && y == b) || (x == b && y == a)) return c->rim_new.at[k];
+    if ((x == a && y == b) || (x == b && y == a)) return k;
   }
   return TET_NONE;
+}
+
+/* Turns from boundary face h through the cavity around the edge of h without its
+ * k-th vertex (0 to 2): to the next boundary face, or TET_NONE at the domain's
+ * boundary, and over at most one rim edge. 0 if the cavity is folded there. */
+static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_face, uint32_t *ret_rim) {
+  uint32_t t = h >> 2, i = h & 3, j = refine_face[i][k], apex = r->tet_v[4 * (size_t)t + i];
+  uint32_t a = r->tet_v[4 * (size_t)t + refine_face[i][(k + 1) % 3]];
+  uint32_t b = r->tet_v[4 * (size_t)t + refine_face[i][(k + 2) % 3]];
+  *ret_face = *ret_rim = TET_NONE;
+  for (;;) {
+    size_t exit = 4 * (size_t)t + j;
+    if (r->tet_mark[t] >> j & 1) {
+      *ret_face = (uint32_t)exit;
+      return 1;
+    }
+    if (r->tet_sub[exit] != TET_NONE) {
+      if (*ret_rim != TET_NONE) return 0;
+      *ret_rim = rim_edge(r, r->tet_sub[exit], a, b);
+      if (*ret_rim == TET_NONE) return 0;
+    }
+    uint32_t next = r->tet_adj[exit];
+    if (next == TET_NONE) return *ret_rim != TET_NONE;
+    t = next >> 2;
+    j = refine_corner(r, t, apex);
+    apex = r->tet_v[4 * (size_t)t + (next & 3)];
+  }
+}
+
+/* *ret_ok = 1 if the rim is one closed star in each patch, cut open at a split
+ * subsegment alone, and every rim edge parts the boundary. Rounding can fold a
+ * cavity at needles; such a one is not filled. Changes rim_new. */
+tet_status refine_cavity_is_sound(refiner *r, int *ret_ok) {
+  refine_cavity *c = &r->cavity;
+  tet_status status = TET_OK;
+  uint32_t a = c->segment == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)c->segment];
+  uint32_t b = c->segment == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)c->segment + 1];
+  *ret_ok = 1;
+  c->rim_new.n = 0;
+  for (uint32_t k = 0; k < c->rim.n && !status; k++) {
+    uint32_t h = c->rim.at[k], s = h / 3, x = r->sub_v[h], y = r->sub_v[3 * s + (h + 1) % 3], before = 0, after = 0;
+    for (uint32_t i = 0; i < c->rim.n; i++) {
+      uint32_t g = c->rim.at[i], u = g / 3;
+      if (r->sub_patch[u] != r->sub_patch[s]) continue;
+      after += r->sub_v[g] == y;
+      before += r->sub_v[3 * u + (g + 1) % 3] == x;
+    }
+    if ((y != a && y != b && after != 1) || (x != a && x != b && before != 1)) *ret_ok = 0;
+    status = refine_push(r, &c->rim_new, 0);
+  }
+  for (uint32_t q = 0; q < c->faces.n && *ret_ok && !status; q++)
+    for (uint32_t k = 0; k < 3 && *ret_ok; k++) {
+      uint32_t face, rim;
+      *ret_ok = turn(r, c->faces.at[q], k, &face, &rim);
+      if (*ret_ok && rim != TET_NONE) c->rim_new.at[rim]++;
+    }
+  for (uint32_t k = 0; k < c->rim.n && *ret_ok && !status; k++) *ret_ok = c->rim_new.at[k] > 0;
+  c->rim_new.n = 0;
+  return status;
 }
 
 static void hang(refiner *r, uint32_t sub, uint32_t h) {
@@ -53,34 +112,20 @@ static void hang(refiner *r, uint32_t sub, uint32_t h) {
 /* Finds what is beyond face k of the tetrahedron n that spans boundary face h: the
  * next boundary face around the edge, and the new subface on the way. */
 static tet_status glue(refiner *r, uint32_t h, uint32_t n, uint32_t k) {
-  uint32_t t = h >> 2, i = h & 3, j = refine_face[i][k - 1], turned = r->tet_v[4 * (size_t)t + i];
-  uint32_t a = r->tet_v[4 * (size_t)n + (k == 1 ? 2 : 1)], b = r->tet_v[4 * (size_t)n + (k == 3 ? 2 : 3)];
-  uint32_t sub = TET_NONE, here = 4 * n + k, there = TET_NONE;
-  for (;;) {
-    size_t exit = 4 * (size_t)t + j;
-    if (r->tet_mark[t] >> j & 1) {
-      uint32_t m = r->tet_adj[exit], corner = 1;
-      while (corner < 4 && (r->tet_v[4 * (size_t)m + corner] == a || r->tet_v[4 * (size_t)m + corner] == b)) corner++;
-      there = 4 * m + corner;
-      break;
-    }
-    if (r->tet_sub[exit] != TET_NONE) {
-      sub = rim_sub(r, r->tet_sub[exit], a, b);
-      if (sub == TET_NONE) return tet_internal(r->ctx, "a cavity folds over its facet");
-    }
-    uint32_t next = r->tet_adj[exit];
-    if (next == TET_NONE) break;
-    t = next >> 2;
-    j = refine_corner(r, t, turned);
-    if (j == 4) return tet_internal(r->ctx, "a cavity's edge has no turn");
-    turned = r->tet_v[4 * (size_t)t + (next & 3)];
+  uint32_t face, rim, here = 4 * n + k, there = TET_NONE;
+  if (!turn(r, h, k - 1, &face, &rim)) return tet_internal(r->ctx, "a cavity is folded");
+  if (face != TET_NONE) {
+    uint32_t m = r->tet_adj[face], corner = 1;
+    const uint32_t *v = r->tet_v + 4 * (size_t)n;
+    uint32_t a = v[k == 1 ? 2 : 1], b = v[k == 3 ? 2 : 3];
+    while (r->tet_v[4 * (size_t)m + corner] == a || r->tet_v[4 * (size_t)m + corner] == b) corner++;
+    there = 4 * m + corner;
+    r->tet_adj[there] = here;
   }
-  if (there == TET_NONE && sub == TET_NONE) return tet_internal(r->ctx, "a cavity is open");
   r->tet_adj[here] = there;
-  if (sub != TET_NONE) hang(r, sub, here);
-  if (there == TET_NONE) return TET_OK;
-  r->tet_adj[there] = here;
-  if (sub != TET_NONE) hang(r, sub, there);
+  if (rim == TET_NONE) return TET_OK;
+  hang(r, r->cavity.rim_new.at[rim], here);
+  if (there != TET_NONE) hang(r, r->cavity.rim_new.at[rim], there);
   return TET_OK;
 }
 

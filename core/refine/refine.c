@@ -5,7 +5,7 @@
 #include "refine/refiner.h"
 
 void tet_refine_options_default(tet_refine_options *options) {
-  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.35, .floor = 1e-3};
+  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.35, .crowd = 0.3, .floor = 1e-3};
 }
 
 void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {
@@ -19,9 +19,9 @@ void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {
 static tet_status queue_all(refiner *r) {
   tet_status status = TET_OK;
   for (uint32_t e = 0; e < r->n_segs && !status; e++) {
-    int hit;
-    status = refine_seg_encroached(r, e, &hit);
-    if (!status && hit) status = refine_queue_seg(r, e);
+    uint32_t by;
+    status = refine_seg_encroached(r, e, &by);
+    if (!status && by != TET_NONE) status = refine_queue_seg(r, e);
   }
   for (uint32_t s = 0; s < r->n_subs && !status; s++)
     if (refine_sub_encroached(r, s)) status = refine_queue_sub(r, s);
@@ -38,9 +38,9 @@ static tet_status step(refiner *r, int *ret_more) {
   refine_outcome outcome;
   *ret_more = 1;
   if (refine_next_seg(r, &item)) {
-    int hit;
-    tet_status status = refine_seg_encroached(r, item, &hit);
-    return status || !hit ? status : refine_split_seg(r, item, CAUSE_VERTEX, &outcome);
+    uint32_t by;
+    tet_status status = refine_seg_encroached(r, item, &by);
+    return status || by == TET_NONE ? status : refine_split_seg(r, item, by, CAUSE_VERTEX, &outcome);
   }
   if (refine_next_sub(r, &item))
     return refine_sub_encroached(r, item) ? refine_split_sub(r, item, CAUSE_VERTEX, &outcome) : TET_OK;

@@ -130,6 +130,7 @@ typedef struct refiner {
 
   refine_cavity cavity;
   refine_list hit_segs, hit_subs; /* encroached by a candidate */
+  refine_list star;               /* scratch */
   refine_list suspects;           /* face handles after a reshaped cavity */
 
   refine_waiting *seg_queue, *sub_queue;
@@ -183,6 +184,7 @@ tet_status refine_lfs(refiner *r);
 void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours, double *ret_size,
                     double *ret_sharp);
 int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, refine_cause cause);
+int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n);
 
 /* flatness.c: three points of a segment, four of a facet, by incidence. */
 int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment);
@@ -199,12 +201,13 @@ tet_status refine_facet_cavity_grow(refiner *r);
 int refine_facet_cavity_trim(refiner *r);
 void refine_facet_cavity_least(refiner *r);
 tet_status refine_facet_cavity_rim(refiner *r);
+tet_status refine_cavity_is_sound(refiner *r, int *ret_ok);
 tet_status refine_fill(refiner *r);
 
 /* encroach.c */
 int refine_seg_hit_by(const refiner *r, uint32_t e, uint32_t vertex);
 int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex);
-tet_status refine_seg_encroached(refiner *r, uint32_t e, int *ret_yes);
+tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_hits(refiner *r, int subfaces);
 tet_status refine_after_insertion(refiner *r);
@@ -229,7 +232,7 @@ int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
 
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */
 tet_status refine_insert(refiner *r, int *ret_ok);
-tet_status refine_split_seg(refiner *r, uint32_t e, refine_cause cause, refine_outcome *ret);
+tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret);
 

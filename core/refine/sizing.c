@@ -224,3 +224,37 @@ int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint3
   }
   return 1;
 }
+
+/* 1 if p, the grown cavity's point, is closer to another segment or facet than
+ * `crowd` times its distance from `vertices`: inserted there, it would have its
+ * image in that one split as well, and leave an edge as short as the gap. */
+int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
+  const refine_cavity *c = &r->cavity;
+  const double *x = refine_x(r, c->p);
+  double room = INFINITY;
+  for (uint32_t i = 0; i < n; i++) {
+    const double *y = refine_x(r, vertices[i]);
+    room = fmin(room, edge_distance2(y, y, x));
+  }
+  room *= r->o.crowd * r->o.crowd;
+  uint32_t own = c->segment == TET_NONE ? TET_NONE : r->seg_of[c->segment];
+  for (uint32_t k = 0; k < c->tets.n; k++) {
+    uint32_t t = c->tets.at[k];
+    const uint32_t *v = r->tet_v + 4 * (size_t)t;
+    for (int e = 0; e < 6 && r->tet_edges[t] & 63; e++) {
+      if (!(r->tet_edges[t] >> e & 1)) continue;
+      uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
+      if (edge_distance2(refine_x(r, a), refine_x(r, b), x) < room && r->seg_of[refine_find_seg(r, a, b)] != own)
+        return 1;
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t s = r->tet_sub[4 * (size_t)t + i];
+      if (s == TET_NONE) continue;
+      const uint32_t *w = r->sub_v + 3 * (size_t)s;
+      if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < room &&
+          !refine_on_facet(r, c->p, r->patch[r->sub_patch[s]].facet))
+        return 1;
+    }
+  }
+  return 0;
+}

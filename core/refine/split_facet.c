@@ -64,7 +64,7 @@ static tet_status split_hit_segs(refiner *r, refine_cause cause, refine_outcome 
   *ret = OUTCOME_REJECTED;
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED; k++)
-    status = refine_split_seg(r, r->hit_segs.at[k], cause, ret);
+    status = refine_split_seg(r, r->hit_segs.at[k], TET_NONE, cause, ret);
   return status;
 }
 
@@ -86,7 +86,8 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
       status = refine_push(r, &c->vertices, v);
     }
     if (status) return status;
-    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, cause)) {
+    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, cause) ||
+        (cause == CAUSE_CENTRE && refine_crowded(r, c->vertices.at, c->vertices.n))) {
       r->result.rejected.protected_ball++;
     } else if (!(r->sub_mark[s] & 1)) {
       r->result.rejected.lost_subface++;
@@ -114,12 +115,17 @@ tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_o
   memcpy(old, r->sub_v + 3 * (size_t)s, sizeof old);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, r->patch[r->sub_patch[s]].facet);
   if (status) return status;
+  if (!refine_accepts(r, r->points.n - 1, old, 3, cause)) {
+    refine_drop_point(r);
+    r->result.rejected.protected_ball++;
+    return TET_OK;
+  }
   int found = walk(r, s, r->points.n - 1, &at, &seg);
   if (found && seg == TET_NONE) {
     status = try_centre(r, s, at, cause, ret);
   } else {
     refine_drop_point(r);
-    if (found) status = refine_split_seg(r, seg, cause, ret);
+    if (found) status = refine_split_seg(r, seg, TET_NONE, cause, ret);
   }
   if (status || *ret != OUTCOME_INSERTED || cause != CAUSE_VERTEX) return status;
   /* a subsegment was split instead: the subface may still be encroached */

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /* split_segment.c: rule R1, and the insertion that all three rules end with.
  *
- * A subsegment is halved; one that ends at a vertex where segments meet below 60
- * degrees is cut on a shell about that vertex, its radius a power of two, so that
- * neighbours are cut alike and do not encroach upon each other in turn. */
+ * A subsegment is halved, but where that would only move the trouble on: encroached
+ * by a point of a segment that shares an input vertex with it, it is cut as far
+ * from that vertex as the point is (5.3, the reference vertex), so that the two do
+ * not encroach upon each other in turn; by a point close beside it, right there,
+ * so that nearly parallel segments are cut in pairs; by anything else, at a vertex
+ * where segments meet below 60 degrees, on a shell about it, its radius a power of
+ * two. */
 #include "refine/refiner.h"
 
 #include <float.h>
@@ -25,19 +29,57 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
   return status ? status : refine_after_insertion(r);
 }
 
-/* Where subsegment ab is cut, as a fraction of its length from a. */
-static double fraction(const refiner *r, uint32_t e, double length) {
+static double distance(const refiner *r, uint32_t a, uint32_t b) {
+  const double *x = refine_x(r, a), *y = refine_x(r, b);
+  double sum = 0;
+  for (int i = 0; i < 3; i++) sum += (x[i] - y[i]) * (x[i] - y[i]);
+  return sqrt(sum);
+}
+
+/* 1 if v is a Steiner point on another segment that ends at input vertex `end`. */
+static int shares_end(const refiner *r, uint32_t v, uint32_t end) {
+  if (r->out->origin[v] != TET_ORIGIN_SEGMENT) return 0;
+  const tet_segment *s = &r->out->segment[r->out->carrier[v]];
+  return s->a == end || s->b == end;
+}
+
+/* Where beside subsegment ab vertex v is, as a fraction, if much closer to it than
+ * to its ends; else 0. */
+static double beside(const refiner *r, uint32_t a, uint32_t b, uint32_t v, double length) {
+  const double *x = refine_x(r, a), *y = refine_x(r, b), *z = refine_x(r, v);
+  double t = 0, height2 = 0;
+  for (int i = 0; i < 3; i++) t += (y[i] - x[i]) * (z[i] - x[i]);
+  t /= length * length;
+  for (int i = 0; i < 3; i++) {
+    double d = z[i] - x[i] - t * (y[i] - x[i]);
+    height2 += d * d;
+  }
+  double arm = length * fmin(t, 1 - t);
+  return 16 * height2 < arm * arm ? t : 0;
+}
+
+/* Where subsegment e, encroached by vertex `by` or TET_NONE, is cut: as a fraction
+ * of its length from its first end. */
+static double fraction(const refiner *r, uint32_t e, uint32_t by, double length) {
+  static const double least = 0.1; /* no closer to an end than that */
   uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
-  if (!(r->segment_sharp[r->seg_of[e]] & 1)) return 0.5;
+  if (by == TET_NONE) return 0.5;
+  for (int k = 0; k < 2; k++) {
+    if (!shares_end(r, by, k ? b : a)) continue;
+    double cut = distance(r, by, k ? b : a) / length;
+    if (cut > least && cut < 1 - least) return k ? 1 - cut : cut;
+  }
+  double cut = beside(r, a, b, by, length);
+  if (cut > least && cut < 1 - least) return cut;
   int at_a = a < r->n_first && r->acute_end[a], at_b = b < r->n_first && r->acute_end[b];
-  if (at_a == at_b) return 0.5;
+  if (!(r->segment_sharp[r->seg_of[e]] & 1) || at_a == at_b) return 0.5;
   int power;
   frexp(length * (2.0 / 3.0), &power);
-  double cut = ldexp(1.0, power - 1) / length; /* in (1/3, 2/3] */
+  cut = ldexp(1.0, power - 1) / length; /* in (1/3, 2/3] */
   return at_a ? cut : 1 - cut;
 }
 
-tet_status refine_split_seg(refiner *r, uint32_t e, refine_cause cause, refine_outcome *ret) {
+tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret) {
   const uint32_t ends[2] = {r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1]};
   const double *a = refine_x(r, ends[0]), *b = refine_x(r, ends[1]);
   double x[3], length2 = 0, most = 0;
@@ -46,7 +88,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, refine_cause cause, refine_o
     most = fmax(most, fmax(fabs(a[i]), fabs(b[i])));
   }
   *ret = OUTCOME_REJECTED;
-  double length = sqrt(length2), cut = fraction(r, e, length);
+  double length = sqrt(length2), cut = fraction(r, e, by, length);
   if (length < 64 * DBL_EPSILON * most) {
     r->result.rejected.too_short++;
     return TET_OK;
@@ -59,8 +101,10 @@ tet_status refine_split_seg(refiner *r, uint32_t e, refine_cause cause, refine_o
     r->result.rejected.protected_ball++;
   } else {
     status = refine_cavity_of_seg(r, r->points.n - 1, e);
-    if (!status) status = refine_insert(r, &ok);
-    if (!ok) r->result.rejected.lost_subface++;
+    int crowded = !status && cause == CAUSE_CENTRE && refine_crowded(r, ends, 2);
+    if (!status && !crowded) status = refine_insert(r, &ok);
+    if (crowded) r->result.rejected.protected_ball++;
+    else if (!ok) r->result.rejected.lost_subface++;
   }
   if (status) return status;
   if (ok) {

@@ -6,13 +6,16 @@
 
 #include <string.h>
 
+enum { MOST_TRIED = 8 }; /* subfaces for one candidate */
+
 /* Splits the first that can be of what the candidate hit. */
 static tet_status split_hits(refiner *r, refine_outcome *ret) {
   tet_status status = TET_OK;
   *ret = OUTCOME_REJECTED;
   for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED; k++)
-    status = refine_split_seg(r, r->hit_segs.at[k], CAUSE_CENTRE, ret);
-  for (uint32_t k = 0; k < r->hit_subs.n && !status && *ret != OUTCOME_INSERTED; k++)
+    status = refine_split_seg(r, r->hit_segs.at[k], TET_NONE, CAUSE_CENTRE, ret);
+  if (r->hit_segs.n) return status;
+  for (uint32_t k = 0; k < r->hit_subs.n && k < MOST_TRIED && !status && *ret != OUTCOME_INSERTED; k++)
     status = refine_split_sub(r, r->hit_subs.at[k], CAUSE_CENTRE, ret);
   return status;
 }
@@ -65,6 +68,11 @@ tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
   if (tet_insphere_sos(&r->points, old[0], old[1], old[2], old[3], r->points.n - 1) <= 0) {
     refine_drop_point(r);
     r->result.rejected.outside++;
+    return TET_OK;
+  }
+  if (!refine_accepts(r, r->points.n - 1, old, 4, CAUSE_CENTRE)) {
+    refine_drop_point(r);
+    r->result.rejected.protected_ball++;
     return TET_OK;
   }
   status = try_centre(r, t, ret);

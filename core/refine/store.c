@@ -191,6 +191,6 @@ void refine_release(refiner *r) {
                  r->seg_table, r->segment_sharp, r->acute_end, r->vertex_facet_start, r->vertex_facet,
                  r->segment_facet_start, r->segment_facet, c->tets.at, c->touched.at, c->subs.at,
                  c->rim.at, c->rim_new.at, c->faces.at, c->faces_new.at, c->vertices.at,
-                 r->hit_segs.at, r->hit_subs.at, r->suspects.at, r->seg_queue, r->sub_queue, r->heap};
+                 r->hit_segs.at, r->hit_subs.at, r->star.at, r->suspects.at, r->seg_queue, r->sub_queue, r->heap};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
 }
