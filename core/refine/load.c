@@ -240,6 +240,11 @@ static tet_status tabulate_facets(refiner *r, const uint32_t *facet) {
   return status;
 }
 
+/* memset, but an array without elements may be NULL. */
+static void set_bytes(void *array, int byte, size_t n) {
+  if (n > 0) memset(array, byte, n);
+}
+
 /* Takes the arrays over and makes room for what belongs to each element. */
 static tet_status take_over(refiner *r) {
   tet_pieces *p = r->out;
@@ -284,17 +289,17 @@ static tet_status take_over(refiner *r) {
   if (!status) status = tet_grow(r->ctx, &r->seg_tet, &r->cap_seg_tet, e, sizeof *r->seg_tet);
   if (!status) status = tet_grow(r->ctx, &r->seg_waiting, &r->cap_seg_waiting, e, 1);
   if (status) return status;
-  memset(r->size, 0, n * sizeof *r->size);
-  memset(r->sharp_size, 0, n * sizeof *r->sharp_size);
-  memset(r->stamp, 0, n * sizeof *r->stamp);
-  memset(r->tet_sub, 0xff, 4 * t * sizeof *r->tet_sub);
-  memset(r->tet_edges, 0, t);
-  memset(r->tet_mark, 0, t);
-  memset(r->sub_side, 0xff, 2 * s * sizeof *r->sub_side);
-  memset(r->sub_mark, 0, s);
-  memset(r->seg_sub, 0xff, e * sizeof *r->seg_sub);
-  memset(r->seg_tet, 0xff, e * sizeof *r->seg_tet);
-  memset(r->seg_waiting, 0, e);
+  set_bytes(r->size, 0, n * sizeof *r->size);
+  set_bytes(r->sharp_size, 0, n * sizeof *r->sharp_size);
+  set_bytes(r->stamp, 0, n * sizeof *r->stamp);
+  set_bytes(r->tet_sub, 0xff, 4 * t * sizeof *r->tet_sub);
+  set_bytes(r->tet_edges, 0, t);
+  set_bytes(r->tet_mark, 0, t);
+  set_bytes(r->sub_side, 0xff, 2 * s * sizeof *r->sub_side);
+  set_bytes(r->sub_mark, 0, s);
+  set_bytes(r->seg_sub, 0xff, e * sizeof *r->seg_sub);
+  set_bytes(r->seg_tet, 0xff, e * sizeof *r->seg_tet);
+  set_bytes(r->seg_waiting, 0, e);
   return TET_OK;
 }
 

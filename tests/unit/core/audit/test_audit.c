@@ -43,8 +43,8 @@ static tet_audit audit(void) {
 static void expect(tet_audit expected) {
   tet_audit a = audit();
   assert_false(a.passed);
-  a.passed = 0;
-  assert_memory_equal(&a, &expected, sizeof a);
+  /* All counts, which stand before `passed`; what pads the end is anybody's. */
+  assert_memory_equal(&a, &expected, offsetof(tet_audit, passed));
 }
 
 static uint32_t subface_of(int32_t marker) {
