@@ -21,7 +21,7 @@ extern "C" {
 
 enum {
   TP_MAX_LINE = 65536,    /* bytes of a line, its '\n' included, client and server */
-  TP_WORKER_LINE = 131072, /* between daemon and worker */
+  TP_WORKER_LINE = 1048576, /* between daemon and worker: what 64 KiB become, written anew */
   TP_HELLO_LINE = 4096,   /* before server.hello where that is required */
   TP_MAX_DEPTH = 16,      /* nested objects and lists of a line, the outermost is 1 */
   TP_MAX_ID = 64          /* bytes of a request id that is a string */

@@ -259,7 +259,8 @@ bool config_finish(config *cfg, char error[CONFIG_ERROR]) {
   config_limits *limits = &cfg->limits;
   size_t n_listeners = cfg->unix_paths.count + cfg->tcp.count;
   if (cfg->inherit_fd >= 0 && n_listeners)
-    return config_fail(error, "--inherit serves one connection: no --unix or --tcp with it", "", "");
+    return config_fail(error, "--inherit serves one connection: no --unix or --tcp with it", "",
+                       "");
   if (cfg->inherit_fd < 0 && !n_listeners)
     return config_fail(error, "nothing to listen on: give --unix, --tcp or --inherit", "", "");
   for (size_t i = 0; i < cfg->tcp.count && !cfg->n_tokens; i++)

@@ -22,7 +22,8 @@ size_t connection_waiting(const connection *c) {
 
 /* Whether another request may start. */
 static bool may_start(const connection *c) {
-  return c->n_requests < c->server->config->limits.max_requests && connection_waiting(c) < OUTPUT_MAX;
+  return c->n_requests < c->server->config->limits.max_requests &&
+         connection_waiting(c) < OUTPUT_MAX;
 }
 
 static void set_reading(connection *c) {
@@ -44,7 +45,8 @@ static void take_message(connection *c, const tp_step *step) {
   if (tp_message_parse(step->json, &message, &error) == TP_OK) {
     methods_handle(c, &message, step->body, step->depth);
   } else if (c->hello_required && !c->hello_done) {
-    connection_refuse(c, message.id, TP_E_HELLO_REQUIRED, NULL, "the first request is server.hello");
+    connection_refuse(c, message.id, TP_E_HELLO_REQUIRED, NULL,
+                      "the first request is server.hello");
   } else {
     connection_error(c, message.id, &error, NULL);
   }
@@ -127,7 +129,8 @@ static void on_event(struct bufferevent *bev, short what, void *arg) {
   go_on(c);
 }
 
-static void on_input_change(struct evbuffer *buffer, const struct evbuffer_cb_info *info, void *arg) {
+static void on_input_change(struct evbuffer *buffer, const struct evbuffer_cb_info *info,
+                            void *arg) {
   connection *c = arg;
   (void)buffer;
   c->server->totals.received += info->n_added;
@@ -152,7 +155,9 @@ static bool identify(connection *c, int fd) {
     c->principal = strdup(name);
   } else {
     int on = 1;
-    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on); /* fails on other streams */
+    /* Both fail on other streams. The second finds peers that went without a word. */
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    (void)setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
     c->principal = strdup("anonymous");
   }
   c->hello_required = !c->same_uid;

@@ -20,7 +20,12 @@ typedef enum peer_kind { PEER_UNIX, PEER_TCP, PEER_INHERITED } peer_kind;
 typedef struct submission submission; /* method_submit.c */
 typedef struct fetch fetch;           /* method_fetch.c */
 
-typedef enum request_kind { REQUEST_SUBMIT, REQUEST_WAIT, REQUEST_CANCEL, REQUEST_FETCH } request_kind;
+typedef enum request_kind {
+  REQUEST_SUBMIT,
+  REQUEST_WAIT,
+  REQUEST_CANCEL,
+  REQUEST_FETCH
+} request_kind;
 
 /* A request that could not be answered at once. It is in its connection's list until
  * request_end, and in the waiting list of `job` if that is not NULL. */

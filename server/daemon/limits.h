@@ -12,7 +12,6 @@ enum {
   LINGER_MS = 1000,         /* to let the last error arrive before closing */
 
   /* One worker. */
-  WORKER_LINE = 131072,     /* bytes of a line on its fd 0 and 1 */
   WORKER_INPUT = 2 << 20,
   CHUNK_MAX = 64 << 20,     /* encoded; rows of more than 1 MiB make large chunks */
   CANCEL_GRACE_MS = 80,     /* from job.cancel to SIGKILL */

@@ -26,7 +26,9 @@ static void broken(worker *w, const char *what) {
       log_text("what", what), log_text("job", j ? j->id : NULL));
   w->job = NULL;
   worker_kill(w);
-  if (j) jobs_fail_with(w->server, j, TP_E_WORKER_EXITED, NULL, "the worker broke its protocol: %s", what);
+  if (j)
+    jobs_fail_with(w->server, j, TP_E_WORKER_EXITED, NULL, "the worker broke its protocol: %s",
+                   what);
 }
 
 /* ---- chunks ---- */

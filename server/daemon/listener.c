@@ -47,8 +47,8 @@ static bool serve(server *s, int fd, peer_kind peer, const char *path) {
     l->server = s;
     l->peer = peer;
     l->path = path ? strdup(path) : NULL;
-    l->handle = evconnlistener_new(s->base, on_accept, l, LEV_OPT_CLOSE_ON_FREE | LEV_OPT_CLOSE_ON_EXEC,
-                                   SOMAXCONN, fd);
+    l->handle = evconnlistener_new(s->base, on_accept, l,
+                                   LEV_OPT_CLOSE_ON_FREE | LEV_OPT_CLOSE_ON_EXEC, SOMAXCONN, fd);
   }
   if (!l || !l->handle || (path && !l->path)) {
     if (!l || !l->handle) close(fd);
@@ -143,7 +143,8 @@ static bool open_tcp(server *s, const char *text) {
   snprintf(host, sizeof host, "%.*s", (int)(brackets ? size - 2 : size), text + brackets);
   int fault = getaddrinfo(host, colon + 1, &hints, &found);
   if (fault) {
-    LOG(LOG_ERROR, "address not known", log_text("tcp", text), log_text("error", gai_strerror(fault)));
+    LOG(LOG_ERROR, "address not known", log_text("tcp", text),
+        log_text("error", gai_strerror(fault)));
     errno = EINVAL;
     return false;
   }

@@ -114,8 +114,9 @@ void fetch_start(request *r, const job *j) {
   if (j->state != JOB_DONE) {
     tp_fail(&error, TP_E_JOB_FAILED, NULL, "%s is %s: there is nothing to fetch", j->id,
             job_state_name(j->state));
-    connection_error(c, r->id, &error,
-                     json_pack("{s:s, s:O*}", "state", job_state_name(j->state), "error", j->error));
+    connection_error(
+        c, r->id, &error,
+        json_pack("{s:s, s:O*}", "state", job_state_name(j->state), "error", j->error));
     request_end(r);
     return;
   }

@@ -54,8 +54,9 @@ static json_t *limits_json(const config_limits *limits) {
   return json_pack("{s:i, s:I, s:i, s:I, s:I, s:i, s:I, s:I}", "max_line", TP_MAX_LINE, "max_body",
                    (json_int_t)limits->max_body, "max_depth", TP_MAX_DEPTH, "max_requests",
                    (json_int_t)limits->max_requests, "max_decoded_bytes",
-                   (json_int_t)limits->max_decoded_bytes, "max_waiting_bytes", OUTPUT_MAX, "stall_ms",
-                   (json_int_t)limits->stall_ms, "result_ttl_ms", (json_int_t)limits->result_ttl_ms);
+                   (json_int_t)limits->max_decoded_bytes, "max_waiting_bytes", OUTPUT_MAX,
+                   "stall_ms", (json_int_t)limits->stall_ms, "result_ttl_ms",
+                   (json_int_t)limits->result_ttl_ms);
 }
 
 void method_hello(connection *c, const tp_message *m, uint64_t body) {
@@ -138,13 +139,13 @@ void method_stats(connection *c, const tp_message *m, uint64_t body) {
       (json_int_t)s->totals.received, "sent", (json_int_t)s->totals.sent);
   connection_reply(
       c, m->id,
-      json_pack("{s:s, s:s, s:I, s:b, s:{s:i, s:i, s:i, s:i, s:I}, s:o, s:o, s:i, s:i, s:o, s:I, s:i}",
-                "instance", s->config->instance, "version", TETRAD_VERSION, "uptime_ms",
-                (json_int_t)((clock_now() - s->started) * 1000.0), "draining", (int)s->draining,
-                "workers", "wanted", (int)s->config->workers, "starting",
-                (int)workers[WORKER_STARTING], "idle", (int)workers[WORKER_IDLE], "busy",
-                (int)workers[WORKER_BUSY], "restarts", (json_int_t)restarts, "jobs",
-                states_json(present, 0), "totals", since_start, "connections", (int)s->n_connections,
-                "requests", (int)s->n_requests, "bytes", bytes, "memory_bytes", resident_bytes(),
-                "descriptors", open_descriptors()));
+      json_pack(
+          "{s:s, s:s, s:I, s:b, s:{s:i, s:i, s:i, s:i, s:I}, s:o, s:o, s:i, s:i, s:o, s:I, s:i}",
+          "instance", s->config->instance, "version", TETRAD_VERSION, "uptime_ms",
+          (json_int_t)((clock_now() - s->started) * 1000.0), "draining", (int)s->draining,
+          "workers", "wanted", (int)s->config->workers, "starting", (int)workers[WORKER_STARTING],
+          "idle", (int)workers[WORKER_IDLE], "busy", (int)workers[WORKER_BUSY], "restarts",
+          (json_int_t)restarts, "jobs", states_json(present, 0), "totals", since_start,
+          "connections", (int)s->n_connections, "requests", (int)s->n_requests, "bytes", bytes,
+          "memory_bytes", resident_bytes(), "descriptors", open_descriptors()));
 }

@@ -51,7 +51,8 @@ void methods_handle(connection *c, const tp_message *m, uint64_t body, unsigned 
   }
   const method_row *row = find_method(m->method);
   if (!strcmp(m->method, "request.cancel")) {
-    connection_refuse(c, m->id, TP_E_REQUEST, "id", "request.cancel is a notification: it has no id");
+    connection_refuse(c, m->id, TP_E_REQUEST, "id",
+                      "request.cancel is a notification: it has no id");
     return;
   }
   if (!row) {
@@ -78,8 +79,8 @@ bool params_known(connection *c, const tp_message *m, const char *const *names) 
   return false;
 }
 
-bool param_integer(connection *c, const tp_message *m, const char *name, int64_t least, int64_t most,
-                   int64_t *ret_value) {
+bool param_integer(connection *c, const tp_message *m, const char *name, int64_t least,
+                   int64_t most, int64_t *ret_value) {
   const json_t *value = json_object_get(m->params, name);
   if (!value) return true;
   json_int_t number = json_integer_value(value);
@@ -133,7 +134,7 @@ bool param_job(connection *c, const tp_message *m, job **ret_job) {
     return true;
   }
   if (!id || !elsewhere(c, m, id))
-    connection_refuse(c, m->id, TP_E_JOB_UNKNOWN, id ? "job" : "key", "there is no job \"%s\" of yours",
-                      id ? id : key);
+    connection_refuse(c, m->id, TP_E_JOB_UNKNOWN, id ? "job" : "key",
+                      "there is no job \"%s\" of yours", id ? id : key);
   return false;
 }

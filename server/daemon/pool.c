@@ -145,7 +145,7 @@ static bool connect_worker(worker *w) {
   struct event_base *base = w->server->base;
   w->bev = bufferevent_socket_new(base, w->process.socket, BEV_OPT_CLOSE_ON_FREE);
   w->reaper = event_new(base, w->process.pidfd, EV_READ, on_process_end, w);
-  if (!w->bev || !w->reaper || tp_reader_create(WORKER_LINE, &w->reader) != TP_OK) return false;
+  if (!w->bev || !w->reaper || tp_reader_create(TP_WORKER_LINE, &w->reader) != TP_OK) return false;
   bufferevent_setcb(w->bev, link_read, on_written, on_stream_end, w);
   bufferevent_setwatermark(w->bev, EV_READ, 0, WORKER_INPUT);
   bufferevent_set_max_single_read(w->bev, WORKER_INPUT);

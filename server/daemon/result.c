@@ -84,7 +84,8 @@ tp_code result_complete(result *r, const json_t *table, tp_error *error) {
     result_array *came = code == TP_OK ? take(r, arrays[i].info.name) : NULL;
     for (size_t j = 0; j < i && code == TP_OK; j++)
       if (!strcmp(arrays[j].info.name, arrays[i].info.name))
-        code = tp_fail(error, TP_E_PARAMS, "arrays", "%s is twice in the table", arrays[i].info.name);
+        code =
+            tp_fail(error, TP_E_PARAMS, "arrays", "%s is twice in the table", arrays[i].info.name);
     if (!came || code != TP_OK) continue;
     tp_array_info info = arrays[i].info;
     arrays[i] = *came;

@@ -113,7 +113,8 @@ static bool start(server *s, events *e) {
   if (s->base && s->store)
     s->spool = spool_create(s->base, s->config->spool, s->config->limits.result_bytes);
   if (!s->spool) {
-    LOG(LOG_ERROR, "no spool", log_text("folder", s->config->spool), log_text("error", strerror(errno)));
+    LOG(LOG_ERROR, "no spool", log_text("folder", s->config->spool),
+        log_text("error", strerror(errno)));
     return false;
   }
   if (!start_events(s, e) || !pool_create(s)) {

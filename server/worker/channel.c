@@ -108,7 +108,7 @@ channel *channel_create(void) {
   if (!ch) return NULL;
   pthread_mutex_init(&ch->mutex, NULL);
   pthread_cond_init(&ch->arrived, NULL);
-  if (tp_reader_create(WORKER_LINE, &ch->reader) == TP_OK &&
+  if (tp_reader_create(TP_WORKER_LINE, &ch->reader) == TP_OK &&
       !pthread_create(&thread, NULL, control_main, ch)) {
     pthread_detach(thread); /* it lives as long as the process */
     return ch;

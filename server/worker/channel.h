@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <tet/context.h>
 
-enum { WORKER_LINE = 131072, WORKER_BROKEN = 70 };
+enum { WORKER_BROKEN = 70 };
 
 typedef struct channel channel;
 
@@ -45,6 +45,7 @@ void channel_done(channel *channel, const char *method, json_t *params);
 
 /* Sends a notification with a body; `params` is taken, "job" is added to it if there
  * is a task. Blocks while the daemon does not read. */
-void channel_send(channel *channel, const char *method, json_t *params, const void *body, size_t size);
+void channel_send(channel *channel, const char *method, json_t *params, const void *body,
+                  size_t size);
 
 #endif

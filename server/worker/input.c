@@ -65,7 +65,8 @@ tp_code input_view(const tp_arrays *set, tet_pls *ret_pls, uint32_t **ret_starts
   pls.region_max_volumes = data_of(set, "region_max_volumes");
   if (!fits) {
     free(starts);
-    return tp_fail(error, TP_E_JOB_TOO_LARGE, NULL, "an array has more rows than the engine counts");
+    return tp_fail(error, TP_E_JOB_TOO_LARGE, NULL,
+                   "an array has more rows than the engine counts");
   }
   *ret_pls = pls;
   *ret_starts = starts;

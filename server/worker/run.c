@@ -62,7 +62,8 @@ static answer send_mesh(channel *ch, const task *t, const tet_mesh *mesh, tp_cod
 
 static answer mesh_pls(channel *ch, const task *t, const tet_pls *pls, const tp_options *options) {
   tet_options engine_options;
-  tet_limits limits = {.memory_bytes = options->memory_bytes, .max_vertices = options->max_vertices};
+  tet_limits limits = {.memory_bytes = options->memory_bytes,
+                       .max_vertices = options->max_vertices};
   const json_t *deadline = json_object_get(t->params, "deadline_ms");
   tp_codec codec = TP_MESH;
   tet_ctx *ctx = NULL;

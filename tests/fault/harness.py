@@ -140,7 +140,8 @@ class Daemon:
         log = self.drain_log()
         text = "".join(e["line"] for e in log)
         assert "Sanitizer" not in text and "runtime error" not in text, text
-        assert not [d for d in os.listdir(self.folder) if d.startswith("tetrad-")], "the spool is left"
+        left = [d for d in os.listdir(self.folder) if d.startswith("tetrad-")]
+        assert not left, "the spool is left"
 
     def __enter__(self):
         return self

@@ -46,7 +46,10 @@ def test_fetches_alternate_and_other_replies_go_between(tmp_path):
         chunks = client.receive(first)["chunks"]
         client.receive(second)
         of = [m["params"]["of"] for m, _ in client.notes]
-        assert of == [first, second] * chunks
+        assert of.count(first) == of.count(second) == chunks
+        both = of[of.index(second):len(of) - of[::-1].index(first)]  # while both send
+        assert len(both) > chunks
+        assert all(a != b for a, b in zip(both, both[1:]))
         assert seen < len(of), "the status did not wait for the fetches"
 
 
@@ -56,7 +59,8 @@ def test_a_client_that_vanishes_in_an_upload_leaves_nothing(tmp_path):
         descriptors = daemon.descriptors()
         body, params = cloud(50000)
         gone = daemon.connect()
-        line = {"jsonrpc": "2.0", "id": 1, "method": "mesh.submit", "params": params, "body": len(body)}
+        line = {"jsonrpc": "2.0", "id": 1, "method": "mesh.submit", "params": params,
+                "body": len(body)}
         gone.socket.sendall(json.dumps(line).encode() + b"\n" + body[: len(body) // 2])
         while not uploads(client):
             pass
@@ -67,9 +71,10 @@ def test_a_client_that_vanishes_in_an_upload_leaves_nothing(tmp_path):
         assert daemon.descriptors() == descriptors
 
 
-@pytest.mark.parametrize("half", [b'{"jsonrpc":"2.0",', b'{"jsonrpc":"2.0","id":1,"method":"mesh.submit",'
-                                  b'"params":{"pls":{"points":{"dtype":"<f8","shape":[2,3],"at":[0,48]}}},'
-                                  b'"body":48}\n12345'])
+@pytest.mark.parametrize("half", [
+    b'{"jsonrpc":"2.0",',
+    b'{"jsonrpc":"2.0","id":1,"method":"mesh.submit","body":48,'
+    b'"params":{"pls":{"points":{"dtype":"<f8","shape":[2,3],"at":[0,48]}}}}\n12345'])
 def test_a_half_sent_message_ends_its_connection(tmp_path, half):
     with Daemon(tmp_path, workers=1, config=SOON) as daemon, daemon.connect() as client:
         silent = daemon.connect()
@@ -85,7 +90,8 @@ def test_uploads_share_a_budget(tmp_path):
     with Daemon(tmp_path, workers=1, config=config) as daemon, daemon.connect() as client:
         body, params = cloud(3000)
         first = daemon.connect()
-        line = {"jsonrpc": "2.0", "id": 1, "method": "mesh.submit", "params": params, "body": len(body)}
+        line = {"jsonrpc": "2.0", "id": 1, "method": "mesh.submit", "params": params,
+                "body": len(body)}
         first.socket.sendall(json.dumps(line).encode() + b"\n" + body[:100])
         while not uploads(client):
             pass
@@ -109,6 +115,18 @@ def test_a_body_over_the_limit_is_dropped(tmp_path):
             client.call("mesh.submit", body, **params)
         assert refused.value.name == "body_too_large"
         assert client.submit(100)
+
+
+def test_a_full_line_of_short_numbers_reaches_the_worker(tmp_path):
+    """What the daemon passes on is written anew, and longer: 0.1 becomes 0.10000000000000001."""
+    with Daemon(tmp_path, workers=1) as daemon, daemon.connect() as client:
+        points = [[round(x * 0.1, 1), round(y * 0.1, 1), round(z * 0.1, 1)]
+                  for x in range(15) for y in range(15) for z in range(16)]
+        pls = {"points": points}
+        assert 40000 < len(json.dumps(pls)) < 65000
+        job = client.call("mesh.submit", pls=pls, options={"stage": "delaunay"})["job"]
+        end = client.call("job.wait", job=job)
+        assert end["state"] == "done", end["error"]
 
 
 def test_open_requests_are_bounded(tmp_path):
@@ -198,8 +216,9 @@ def test_tcp_needs_hello_and_the_token(tmp_path):
 
 def test_a_served_socket_is_not_taken_away(tmp_path):
     with Daemon(tmp_path, workers=1) as daemon:
-        second = subprocess.run([program("tetrad"), "--unix", daemon.path, "--spool", str(tmp_path)],
-                                stderr=subprocess.PIPE, text=True, timeout=60)
+        second = subprocess.run(
+            [program("tetrad"), "--unix", daemon.path, "--spool", str(tmp_path)],
+            stderr=subprocess.PIPE, text=True, timeout=60)
         assert second.returncode == 1
         assert "Address already in use" in second.stderr
         with daemon.connect() as client:

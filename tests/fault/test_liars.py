@@ -38,7 +38,7 @@ stdin.read(1)
 
 LIES = {
     "garbage": 'stdout.write(b"what?\\n")',
-    "a line without end": 'stdout.write(b"x" * 200000)',
+    "a line without end": 'stdout.write(b"x" * 2000000)',
     "a request": 'stdout.write(b\'{"jsonrpc":"2.0","id":1,"method":"job.done"}\\n\')',
     "an unknown message": 'tell("job.walk", job=job)',
     "another job": 'tell("job.progress", job="x.77", stage="delaunay")',
@@ -55,7 +55,8 @@ LIES = {
     "missing chunks": 'tell("job.done", job=job, arrays=table())',
     "a wrong table": 'chunk(); tell("job.done", job=job, arrays=table(shape=[5]))',
     "a failure without an error": 'tell("job.failed", job=job)',
-    "a failure that is none of a job": 'tell("job.failed", job=job, error={"code": 4, "message": "m"})',
+    "a failure that is none of a job":
+        'tell("job.failed", job=job, error={"code": 4, "message": "m"})',
     "exit": 'sys.exit(3)',
     "a closed stream": 'os.close(1); os.close(0); import signal; signal.pause()',
 }

@@ -97,7 +97,9 @@ def test_keys_name_jobs_and_repeat_safely(tmp_path):
         other = bytes(8) + body[8:]
         conflict = refused_by(client, "mesh.submit", other, **params)
         assert (conflict.name, conflict.data["job"]) == ("key_conflict", created["job"])
-        assert refused_by(client, "mesh.submit", body, **{**params, "priority": 1}).name == "key_conflict"
+        params["priority"] = 1
+        assert refused_by(client, "mesh.submit", body, **params).name == "key_conflict"
+        del params["priority"]
         client.call("job.delete", key="k")
         assert client.call("mesh.submit", body, **params)["created"] is True
 

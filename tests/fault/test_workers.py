@@ -87,8 +87,9 @@ def test_workers_end_with_a_killed_daemon(tmp_path):
 
 
 def test_workers_that_cannot_start_end_the_daemon(tmp_path):
-    run = subprocess.run([program("tetrad"), "--unix", str(tmp_path / "s"), "--spool", str(tmp_path),
-                          "--worker-prefix", "false"], stderr=subprocess.PIPE, text=True, timeout=60)
+    command = [program("tetrad"), "--unix", str(tmp_path / "s"), "--spool", str(tmp_path),
+               "--worker-prefix", "false"]
+    run = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=60)
     assert run.returncode == 1
     assert "workers do not start" in run.stderr
     assert not (tmp_path / "s").exists()
