@@ -83,7 +83,7 @@ def draw(points, tetrahedra, regions, normal, at, view, out):
     order = order[facing[order]]
     flat = np.stack([corners @ right, corners @ up], axis=2)
 
-    figure, axes = plt.subplots(figsize=(9, 7), dpi=120)
+    figure, axes = plt.subplots(figsize=(9, 7), dpi=100)
     axes.add_collection(PolyCollection(flat[order], facecolors=(colours * shade[:, None])[order],
                                        edgecolors=(0.15, 0.17, 0.2, 0.75), linewidths=0.3))
     axes.autoscale_view()
