@@ -3,14 +3,17 @@
  * tetrahedralization in one, as in A.3.4.
  *
  * The Delaunay tetrahedralization of the cavity's vertices, under the perturbation
- * of the whole, must hold every face of the cavity's border. Where one is missing
- * the cavity grows by the tetrahedron beyond it. Inside and outside are told apart
- * by flooding from the oriented border, never by centroids. */
+ * of the whole, mostly holds every face of the cavity's border; inside and outside
+ * are then told apart by flooding from the oriented border, never by centroids. Where
+ * a face is missing, vertices that do not see each other are in the way, and the
+ * cavity is wrapped (wrap.c). The thesis lets it grow instead, at the price of
+ * subfaces to recover again; the result is the same CDT. */
 #include "build/cavity.h"
 
 #include <string.h>
 
 #include "build/delaunay.h"
+#include "build/wrap.h"
 
 static tet_status push(tet_ctx *ctx, uint32_t **array, size_t *n, size_t *cap, uint32_t value) {
   tet_status status = tet_grow(ctx, array, cap, *n + 1, sizeof **array);
@@ -41,7 +44,7 @@ void tet_cavity_free(tet_cavity *c) {
   if (!c->st) return;
   tet_ctx *ctx = c->st->ctx;
   tet_complex_free(&c->local);
-  void *all[] = {c->face_tri, c->omega, c->crossed, c->border[0], c->border[1], c->lost,  c->vertex,
+  void *all[] = {c->face_tri, c->omega, c->crossed, c->border[0], c->border[1], c->vertex,
                  c->has_vertex, c->image, c->blocked, c->inside, c->floor};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
   memset(c, 0, sizeof *c);
@@ -57,7 +60,7 @@ static tet_status add_vertex(tet_cavity *c, uint32_t v) {
  * tetrahedra not beyond it. */
 static tet_status collect_vertices(tet_cavity *c, const int8_t *side, int up) {
   tet_status status = TET_OK;
-  c->n_vertex = c->n_inserted = 0;
+  c->n_vertex = 0;
   for (size_t k = 0; k < c->n_omega; k++)
     for (int j = 0; j < 3 && status == TET_OK; j++)
       status = add_vertex(c, c->st->surface.tri[3 * (size_t)c->omega[k] + (size_t)j]);
@@ -69,48 +72,13 @@ static tet_status collect_vertices(tet_cavity *c, const int8_t *side, int up) {
   return status;
 }
 
-/* Brings the local Delaunay tetrahedralization up to date with the vertices. */
-static tet_status insert_vertices(tet_cavity *c) {
+/* The local Delaunay tetrahedralization of the vertices. */
+static tet_status triangulate(tet_cavity *c) {
   tet_complex *l = &c->local;
-  tet_status status = TET_OK;
-  if (!c->n_inserted) {
-    l->n_slots = l->n_live = 0;
-    l->n_free = 0;
-    l->last = TET_NONE;
-    status = tet_delaunay(l, c->vertex, (uint32_t)c->n_vertex);
-  } else {
-    for (size_t i = c->n_inserted; i < c->n_vertex && status == TET_OK; i++)
-      status = tet_complex_insert(l, c->vertex[i], TET_NONE);
-  }
-  c->n_inserted = c->n_vertex;
-  return status;
-}
-
-/* Adds the tetrahedron beyond border face h to the cavity. */
-static tet_status grow(tet_cavity *c, uint32_t h, int up) {
-  tet_complex *m = &c->st->complex;
-  tet_ctx *ctx = c->st->ctx;
-  uint32_t t = m->adj[h] >> 2;
-  if (tet_is_ghost(m, t)) return tet_internal(ctx, "a cavity grows out of the convex hull");
-  if (m->flag[t] & TET_FLAG_CAVITY) return tet_internal(ctx, "a cavity grows into its other half");
-  m->flag[t] |= TET_FLAG_CAVITY;
-  tet_status status = push(ctx, &c->crossed, &c->n_crossed, &c->cap_crossed, t);
-  for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
-    uint32_t inner = 4 * t + i, o = m->adj[inner];
-    if (m->flag[o >> 2] & (TET_FLAG_BORDER << (o & 3))) { /* was border: now inside */
-      m->flag[o >> 2] &= (uint8_t) ~(TET_FLAG_BORDER << (o & 3));
-      if (c->face_tri[o] != TET_NONE) status = push(ctx, &c->lost, &c->n_lost, &c->cap_lost, c->face_tri[o]);
-    } else {
-      m->flag[t] |= (uint8_t)(TET_FLAG_BORDER << i);
-      status = push(ctx, &c->border[up], &c->n_border[up], &c->cap_border[up], inner);
-    }
-    if (status == TET_OK) status = add_vertex(c, m->v[4 * (size_t)t + i]);
-  }
-  return status;
-}
-
-static int is_border(const tet_cavity *c, uint32_t h) {
-  return (c->st->complex.flag[h >> 2] & (TET_FLAG_BORDER << (h & 3))) != 0;
+  l->n_slots = l->n_live = 0;
+  l->n_free = 0;
+  l->last = TET_NONE;
+  return tet_delaunay(l, c->vertex, (uint32_t)c->n_vertex);
 }
 
 /* The local handle, inside the cavity, of the face that border handle h shows. */
@@ -126,22 +94,14 @@ static tet_status find_omega(tet_cavity *c, size_t k, int up, uint32_t *ret) {
   return tet_complex_find_face(&c->local, v[0], v[up ? 2 : 1], v[up ? 1 : 2], ret);
 }
 
-/* Phase (1): grows the cavity until the local tetrahedralization has all of its
- * border. */
-static tet_status verify(tet_cavity *c, int up) {
-  tet_status status = TET_OK;
-  for (int missing = 1; missing && status == TET_OK;) {
-    missing = 0;
-    status = insert_vertices(c);
-    for (size_t k = 0, n = c->n_border[up]; k < n && status == TET_OK; k++) {
-      uint32_t h = c->border[up][k], l;
-      if (!is_border(c, h)) continue;
-      status = find_border(c, h, &l);
-      if (status != TET_OK || l != TET_NONE) continue;
-      missing = 1;
-      status = grow(c, h, up);
-    }
-    if (status == TET_OK) status = tet_poll(c->st->ctx);
+/* Phase (1): whether the local tetrahedralization has all of the cavity's faces. */
+static tet_status verify(tet_cavity *c, int up, int *ret_all) {
+  tet_status status = tet_poll(c->st->ctx);
+  *ret_all = 1;
+  for (size_t k = 0; k < c->n_omega + c->n_border[up] && *ret_all && status == TET_OK; k++) {
+    uint32_t l;
+    status = k < c->n_omega ? find_omega(c, k, up, &l) : find_border(c, c->border[up][k - c->n_omega], &l);
+    *ret_all = status != TET_OK || l != TET_NONE;
   }
   return status;
 }
@@ -172,13 +132,11 @@ static tet_status flood_inside(tet_cavity *c, int up) {
   c->n_inside = 0;
   for (size_t k = 0; k < c->n_omega && status == TET_OK; k++) {
     status = find_omega(c, k, up, &l);
-    if (status == TET_OK && l == TET_NONE) status = tet_internal(ctx, "a cavity's floor is not Delaunay in it");
     if (status != TET_OK) return status;
     block(c, l);
     status = enter(c, l >> 2);
   }
   for (size_t k = 0; k < c->n_border[up] && status == TET_OK; k++) {
-    if (!is_border(c, c->border[up][k])) continue;
     status = find_border(c, c->border[up][k], &l);
     if (status != TET_OK) return status;
     block(c, l);
@@ -215,50 +173,112 @@ static tet_status copy_inside(tet_cavity *c) {
   return TET_OK;
 }
 
-/* Phase (2): fills the cavity on one side and joins it to what surrounds it. */
-static tet_status fill_side(tet_cavity *c, const int8_t *side, int up) {
+/* Joins face `made` of a new tetrahedron to what is beyond the cavity's border h. */
+static void join_border(tet_cavity *c, uint32_t made, uint32_t h) {
   tet_complex *m = &c->st->complex;
+  uint32_t outside = m->adj[h];
+  c->face_tri[made] = c->face_tri[outside];
+  tet_link(m, made, outside);
+}
+
+/* Makes face `made` triangle k of Omega; the one below meets the one above. */
+static void join_omega(tet_cavity *c, uint32_t made, size_t k, int up) {
+  c->face_tri[made] = c->omega[k];
+  if (up) c->floor[k] = made;
+  else tet_link(&c->st->complex, made, c->floor[k]);
+}
+
+/* Phase (2): fills the cavity from the local tetrahedralization. */
+static tet_status fill_from_local(tet_cavity *c, int up) {
   uint32_t l;
-  for (size_t k = 0; k < c->n_border[up]; k++)
-    m->flag[c->border[up][k] >> 2] |= (uint8_t)(TET_FLAG_BORDER << (c->border[up][k] & 3));
-  tet_status status = collect_vertices(c, side, up);
-  if (status == TET_OK) status = verify(c, up);
-  for (size_t k = 0; k < c->n_vertex; k++) c->has_vertex[c->vertex[k]] = 0;
-  if (status == TET_OK) status = flood_inside(c, up);
+  tet_status status = flood_inside(c, up);
   if (status == TET_OK) status = copy_inside(c);
   for (size_t k = 0; k < c->n_border[up] && status == TET_OK; k++) {
-    uint32_t h = c->border[up][k];
-    if (!is_border(c, h)) continue;
-    status = find_border(c, h, &l);
-    if (status != TET_OK) return status;
-    uint32_t made = 4 * c->image[l >> 2] + (l & 3), outside = m->adj[h];
-    c->face_tri[made] = c->face_tri[outside];
-    tet_link(m, made, outside);
-    m->flag[h >> 2] &= (uint8_t) ~(TET_FLAG_BORDER << (h & 3));
+    status = find_border(c, c->border[up][k], &l);
+    if (status == TET_OK) join_border(c, 4 * c->image[l >> 2] + (l & 3), c->border[up][k]);
   }
   for (size_t k = 0; k < c->n_omega && status == TET_OK; k++) {
     status = find_omega(c, k, up, &l);
-    if (status != TET_OK) return status;
-    uint32_t made = 4 * c->image[l >> 2] + (l & 3);
-    c->face_tri[made] = c->omega[k];
-    if (up) c->floor[k] = made;
-    else tet_link(m, made, c->floor[k]);
+    if (status == TET_OK) join_omega(c, 4 * c->image[l >> 2] + (l & 3), k, up);
   }
   return status;
 }
 
+/* The cavity's faces, positive towards its inside; tags: Omega's, then the border's. */
+static tet_status make_front(tet_cavity *c, int up, tet_wrap *w) {
+  const tet_complex *m = &c->st->complex;
+  w->n_front = c->n_omega + c->n_border[up];
+  tet_status status = tet_grow(w->ctx, &w->front, &w->cap_front, w->n_front, sizeof *w->front);
+  for (size_t k = 0; k < w->n_front && status == TET_OK; k++) {
+    tet_front *f = &w->front[k];
+    *f = (tet_front){.tag = (uint32_t)k};
+    if (k < c->n_omega) {
+      const uint32_t *v = c->st->surface.tri + 3 * (size_t)c->omega[k];
+      f->v[0] = v[0];
+      f->v[1] = v[up ? 1 : 2];
+      f->v[2] = v[up ? 2 : 1];
+    } else {
+      uint32_t h = c->border[up][k - c->n_omega];
+      const uint8_t *i = tet_face[h & 3]; /* outward there, so turned */
+      for (int j = 0; j < 3; j++) f->v[j] = m->v[4 * (size_t)(h >> 2) + i[2 - j]];
+    }
+  }
+  return status;
+}
+
+/* Copies what wrapping made into the complex. */
+static tet_status copy_wrapped(tet_cavity *c, int up, const tet_wrap *w) {
+  tet_complex *m = &c->st->complex;
+  tet_status status = tet_grow(w->ctx, &c->image, &c->cap_image, w->n_made, sizeof *c->image);
+  for (size_t k = 0; k < w->n_made && status == TET_OK; k++) {
+    status = tet_complex_new(m, &c->image[k]);
+    if (status == TET_OK) status = cover_slots(c);
+  }
+  for (size_t k = 0; k < w->n_made && status == TET_OK; k++)
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t h = 4 * c->image[k] + i, link = w->link[k][i];
+      m->v[h] = w->made[k][i];
+      m->at[m->v[h]] = c->image[k];
+      c->face_tri[h] = TET_NONE;
+      if (!(link & TET_WRAP_TAG)) m->adj[h] = 4 * c->image[link >> 2] + (link & 3);
+    }
+  for (size_t k = 0; k < w->n_made && status == TET_OK; k++)
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t h = 4 * c->image[k] + i, tag = w->link[k][i] & ~TET_WRAP_TAG;
+      if (!(w->link[k][i] & TET_WRAP_TAG)) continue;
+      if (tag < c->n_omega) join_omega(c, h, tag, up);
+      else join_border(c, h, c->border[up][tag - c->n_omega]);
+    }
+  return status;
+}
+
+/* Phase (2) where phase (1) fails: the cavity's constrained Delaunay
+ * tetrahedralization by gift wrapping. */
+static tet_status fill_by_wrapping(tet_cavity *c, int up) {
+  tet_wrap w = {.ctx = c->st->ctx, .points = &c->st->points, .vertex = c->vertex, .n_vertex = c->n_vertex};
+  tet_status status = make_front(c, up, &w);
+  if (status == TET_OK) status = tet_wrap_fill(&w);
+  if (status == TET_OK) status = copy_wrapped(c, up, &w);
+  tet_wrap_free(&w);
+  return status;
+}
+
+/* Fills the cavity on one side and joins it to what surrounds it. */
+static tet_status fill_side(tet_cavity *c, const int8_t *side, int up) {
+  int all;
+  tet_status status = collect_vertices(c, side, up);
+  for (size_t k = 0; k < c->n_vertex; k++) c->has_vertex[c->vertex[k]] = 0;
+  if (status == TET_OK) status = triangulate(c);
+  if (status == TET_OK) status = verify(c, up, &all);
+  if (status != TET_OK) return status;
+  return all ? fill_from_local(c, up) : fill_by_wrapping(c, up);
+}
+
 tet_status tet_cavity_fill(tet_cavity *c, const int8_t *side) {
   tet_complex *m = &c->st->complex;
-  size_t first_crossed = c->n_crossed;
   tet_status status = tet_grow(c->st->ctx, &c->floor, &c->cap_floor, c->n_omega, sizeof *c->floor);
   if (status == TET_OK) status = fill_side(c, side, 1);
-  /* what the upper cavity grew by is gone from the lower one's point of view */
-  size_t grown = c->n_crossed;
-  if (status == TET_OK) {
-    c->n_crossed = first_crossed;
-    for (size_t k = first_crossed; k < grown; k++) tet_complex_delete(m, c->crossed[k]);
-    status = fill_side(c, side, 0);
-  }
+  if (status == TET_OK) status = fill_side(c, side, 0);
   if (status != TET_OK) return status;
   for (size_t k = 0; k < c->n_crossed; k++) tet_complex_delete(m, c->crossed[k]);
   return TET_OK;

@@ -11,16 +11,14 @@ typedef struct tet_cavity {
   size_t cap_face_tri;
   uint32_t *omega;       /* triangles of the missing region */
   size_t n_omega, cap_omega;
-  uint32_t *crossed;     /* tetrahedra that cross it, then those that cavities grew by */
+  uint32_t *crossed;     /* tetrahedra that cross it */
   size_t n_crossed, cap_crossed;
   uint32_t *border[2];   /* handles inside the cavity below (0) and above (1) */
   size_t n_border[2], cap_border[2];
-  uint32_t *lost;        /* subfaces that a growing cavity swallowed */
-  size_t n_lost, cap_lost;
 
   tet_complex local;     /* Delaunay tetrahedralization of one cavity's vertices */
   uint32_t *vertex;      /* the cavity's vertices */
-  size_t n_vertex, cap_vertex, n_inserted;
+  size_t n_vertex, cap_vertex;
   uint8_t *has_vertex;   /* [vertices] */
   uint32_t *image;       /* [local slots] tetrahedron made in the complex, or TET_NONE */
   size_t cap_image;
@@ -36,8 +34,7 @@ tet_status tet_cavity_init(tet_cavity *c, tet_state *st);
 void tet_cavity_free(tet_cavity *c);
 
 /* TETRAHEDRALIZECAVITY (Fig. 5.11) above and below c->omega, whose triangles then
- * are faces. `side` of each vertex of the crossed tetrahedra is known. Subfaces
- * that had to give way are in c->lost. */
+ * are faces. `side` of each vertex of the crossed tetrahedra is known. */
 tet_status tet_cavity_fill(tet_cavity *c, const int8_t *side);
 
 #endif

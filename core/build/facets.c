@@ -17,7 +17,7 @@ typedef struct facet_recovery {
   tet_state *st;
   tet_ctx *ctx;
   tet_cavity cavity;
-  uint32_t *stack;       /* triangles to look at; lost subfaces come on top (5.4.3) */
+  uint32_t *stack;       /* triangles to look at */
   size_t n_stack, cap_stack;
   uint8_t *in_region;    /* [triangles] 1: in the region being recovered */
   int8_t *side;          /* [vertices] of Omega's plane: -1, 0, 1; UNKNOWN */
@@ -181,12 +181,9 @@ static tet_status recover_region(facet_recovery *r, uint32_t tri) {
   tet_status status = form_region(r, tri);
   if (status == TET_OK) status = collect_crossed(r);
   if (status == TET_OK) status = part_border(r);
-  c->n_lost = 0;
   if (status == TET_OK) status = tet_cavity_fill(c, r->side);
   for (size_t k = 0; k < r->n_sided; k++) r->side[r->sided[k]] = UNKNOWN;
   r->n_sided = 0;
-  for (size_t k = 0; k < c->n_lost && status == TET_OK; k++)
-    status = push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, c->lost[k]);
   r->st->counts.cavities++;
   r->st->counts.missing_subfaces += c->n_omega;
   return status;
