@@ -329,6 +329,9 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)r->peak_bytes);
   printf(",\"steiner\":%llu,\"cavities\":%llu,\"flips\":%llu,\"moves\":%llu", (unsigned long long)c->segment_steiner_points,
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
+  printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
+         (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
+         (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
   printf(",\"promised\":{\"delaunay\":%d,\"cdt\":%d,\"gabriel\":%d,\"covered\":%d,\"planarity\":%.3g}", r->promised.delaunay,
          r->promised.constrained_delaunay, r->promised.gabriel, r->promised.covered, r->promised.planarity);
   printf(",\"audit\":{\"passed\":%s", a->passed ? "true" : "false");
