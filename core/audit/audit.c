@@ -8,6 +8,7 @@
 
 #include "audit/edges.h"
 #include "audit/faces.h"
+#include "audit/hull.h"
 #include "audit/quality.h"
 #include "exact/predicates.h"
 
@@ -21,6 +22,8 @@ typedef struct auditor {
   tet_face_table faces;
   uint8_t *subface; /* [4 n_tetrahedra] 1: the face of this handle is a subface */
   uint8_t *flag;    /* [n_tetrahedra] */
+  uint32_t *boundary; /* handles of the boundary faces, where convexity is promised */
+  size_t n_boundary, cap_boundary;
   tet_audit found;
 } auditor;
 
@@ -118,6 +121,21 @@ static void check_face(auditor *a, uint32_t i, uint32_t n) {
   a->found.subfaces_encroached += (uint64_t)encroached;
 }
 
+/* Lists the boundary faces and looks at the edges between them. */
+static tet_status check_hull(auditor *a) {
+  tet_status status = TET_OK;
+  uint32_t n = 4 * a->mesh->n_tetrahedra;
+  for (uint32_t i = 0, run; status == TET_OK && i < n; i += run) {
+    run = tet_face_table_run(&a->faces, i);
+    if (run != 1) continue;
+    status = tet_grow(a->ctx, &a->boundary, &a->cap_boundary, a->n_boundary + 1, sizeof *a->boundary);
+    if (status == TET_OK) a->boundary[a->n_boundary++] = a->faces.handle[i];
+    if (status == TET_OK && (a->n_boundary & 255) == 0) status = tet_poll(a->ctx);
+  }
+  if (status != TET_OK) return status;
+  return tet_audit_hull(a->ctx, a->mesh, a->boundary, (uint32_t)a->n_boundary, &a->found.reflex);
+}
+
 static tet_status check_faces(auditor *a) {
   const tet_mesh *m = a->mesh;
   tet_status status = tet_face_table_build(a->ctx, m, &a->faces);
@@ -140,6 +158,7 @@ static int holds(const tet_promise *p, const tet_audit *f) {
   if (p->delaunay && f->not_delaunay) return 0;
   if (p->constrained_delaunay && f->not_constrained_delaunay) return 0;
   if (p->gabriel && (f->subfaces_encroached || f->subsegments_encroached)) return 0;
+  if (p->convex && f->reflex) return 0;
   return !(p->covered && f->uncovered);
 }
 
@@ -153,6 +172,8 @@ tet_status tet_audit_mesh(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *ret_aud
     if (!a.subface || !a.flag) status = tet_ctx_error(ctx)->status;
     if (status == TET_OK) status = check_shapes(&a);
     if (status == TET_OK) status = check_faces(&a);
+    if (status == TET_OK && mesh->report.promised.convex) status = check_hull(&a);
+    tet_free(ctx, a.boundary);
     tet_free(ctx, a.flag);
     tet_face_table_free(ctx, &a.faces);
     if (status == TET_OK) status = tet_audit_edges(ctx, mesh, a.subface, &a.found);

@@ -73,9 +73,9 @@ static json_t *quality_json(const tet_quality *q) {
 }
 
 static json_t *promised_json(const tet_promise *p) {
-  json_t *o = json_pack("{s:b, s:b, s:b, s:o}", "delaunay", p->delaunay, "constrained_delaunay",
-                        p->constrained_delaunay, "gabriel", p->gabriel, "planarity",
-                        number(p->planarity));
+  json_t *o = json_pack("{s:b, s:b, s:b, s:b, s:b, s:b, s:o}", "delaunay", p->delaunay, "constrained_delaunay",
+                        p->constrained_delaunay, "gabriel", p->gabriel, "covered", p->covered, "convex", p->convex,
+                        "region_volumes", p->region_volumes, "planarity", number(p->planarity));
   if (p->radius_edge > 0.0) json_object_set_new(o, "radius_edge", number(p->radius_edge));
   if (p->max_volume > 0.0) json_object_set_new(o, "max_volume", number(p->max_volume));
   return o;
@@ -83,12 +83,17 @@ static json_t *promised_json(const tet_promise *p) {
 
 static json_t *audit_json(const tet_audit *a) {
   json_t *o = json_object();
+  set_count(o, "bad_indices", a->bad_indices);
   set_count(o, "flat_or_inverted", a->flat_or_inverted);
   set_count(o, "adjacency", a->adjacency);
   set_count(o, "not_delaunay", a->not_delaunay);
   set_count(o, "not_constrained_delaunay", a->not_constrained_delaunay);
   set_count(o, "subfaces_missing", a->subfaces_missing);
   set_count(o, "subsegments_missing", a->subsegments_missing);
+  set_count(o, "uncovered", a->uncovered);
+  set_count(o, "reflex", a->reflex);
+  set_count(o, "broken_segments", a->broken_segments);
+  set_count(o, "facet_slivers", a->facet_slivers);
   set_count(o, "subfaces_encroached", a->subfaces_encroached);
   set_count(o, "subsegments_encroached", a->subsegments_encroached);
   set_count(o, "over_radius_edge", a->over_radius_edge);

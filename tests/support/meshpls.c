@@ -339,8 +339,9 @@ static void print_report(const job *j, const tet_mesh *m) {
       {"bad_indices", a->bad_indices}, {"flat", a->flat_or_inverted}, {"adjacency", a->adjacency},
       {"not_delaunay", a->not_delaunay}, {"not_cdt", a->not_constrained_delaunay},
       {"subfaces_missing", a->subfaces_missing}, {"subsegments_missing", a->subsegments_missing},
-      {"uncovered", a->uncovered}, {"broken_segments", a->broken_segments},
-      {"facet_slivers", a->facet_slivers}, {"subfaces_encroached", a->subfaces_encroached}, {"subsegments_encroached", a->subsegments_encroached},
+      {"uncovered", a->uncovered}, {"reflex", a->reflex}, {"broken_segments", a->broken_segments},
+      {"facet_slivers", a->facet_slivers},
+      {"subfaces_encroached", a->subfaces_encroached}, {"subsegments_encroached", a->subsegments_encroached},
       {"over_radius_edge", a->over_radius_edge}, {"over_volume", a->over_volume}, {"region_leaks", a->region_leaks}};
   for (size_t i = 0; i < sizeof fault / sizeof *fault; i++)
     if (fault[i].n) printf(",\"%s\":%llu", fault[i].name, (unsigned long long)fault[i].n);

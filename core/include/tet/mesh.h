@@ -56,6 +56,7 @@ typedef struct tet_promise {
   int constrained_delaunay;  /* every face off the subfaces locally Delaunay */
   int gabriel;               /* subfaces and subsegments Gabriel, creases aside */
   int covered;               /* every face of the mesh's boundary is a subface */
+  int convex;                /* the mesh fills the convex hull of its vertices */
   double radius_edge;        /* bound, the listed exceptions aside; 0: none */
   double max_volume;         /* bound, the listed exceptions aside; 0: none */
   int region_volumes;        /* the regions' own bounds hold, the exceptions aside */
@@ -72,6 +73,7 @@ typedef struct tet_audit {
   uint64_t subfaces_missing;    /* listed, but no face of the mesh */
   uint64_t subsegments_missing;
   uint64_t uncovered;           /* boundary faces that are no subfaces */
+  uint64_t reflex;              /* boundary edges at which the mesh is not convex */
   uint64_t broken_segments;     /* whose subsegments are not one open chain */
   uint64_t facet_slivers;       /* tetrahedra with two subfaces that meet inside a facet */
   uint64_t subfaces_encroached; /* not Gabriel */

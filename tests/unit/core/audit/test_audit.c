@@ -214,6 +214,19 @@ static void accepts_listed_exceptions(void **state) {
   expect((tet_audit){.over_radius_edge = 1});
 }
 
+static void finds_dents(void **state) {
+  (void)state;
+  mesh->report.promised = (tet_promise){.convex = 1};
+  assert_true(audit().passed); /* a box, with many edges between coplanar faces */
+  uint32_t n = mesh->n_tetrahedra - 1; /* the last one goes: at a corner of the box */
+  for (uint32_t i = 0; i < 4 * n; i++)
+    if (mesh->neighbours[i] == n) mesh->neighbours[i] = TET_NONE;
+  mesh->n_tetrahedra = n;
+  tet_audit a = audit();
+  assert_true(a.reflex > 0);
+  assert_false(a.passed);
+}
+
 /* Two tetrahedra on the triangle 0 1 2, apexes 3 above and 4 below. */
 static void two_tetrahedra(double above, double below) {
   static const double corners[9] = {0, 0, 0, 4, 0, 0, 1, 3, 0};
@@ -342,7 +355,7 @@ int main(void) {
       TEST(finds_missing_tetrahedron), TEST(finds_wrong_neighbour), TEST(finds_bad_index),
       TEST(finds_dropped_boundary_subface), TEST(finds_dropped_wall_subface), TEST(finds_foreign_subface),
       TEST(finds_repeated_subface), TEST(finds_wrong_region), TEST(finds_missing_subsegment), TEST(finds_broken_chain),
-      TEST(finds_ring), TEST(finds_over_bounds), TEST(accepts_listed_exceptions), TEST(finds_not_delaunay),
+      TEST(finds_ring), TEST(finds_over_bounds), TEST(accepts_listed_exceptions), TEST(finds_dents), TEST(finds_not_delaunay),
       TEST(finds_encroached), TEST(finds_facet_sliver), TEST(excuses_creases), TEST(can_be_cancelled), TEST(measures_shapes)};
   return cmocka_run_group_tests_name("audit", tests, NULL, NULL);
 }
