@@ -32,7 +32,7 @@ static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_res
 static tet_promise promise(const tet_options *options, double planarity, const tet_refine_result *refined) {
   tet_promise p = {.planarity = planarity};
   p.covered = options->stage != TET_STAGE_DELAUNAY && !options->keep_hull;
-  p.convex = options->stage == TET_STAGE_DELAUNAY || options->keep_hull;
+  p.convex = options->stage == TET_STAGE_DELAUNAY; /* on a kept hull Steiner points round */
   p.constrained_delaunay = refined ? refined->constrained_delaunay : 1;
   p.delaunay = options->stage == TET_STAGE_DELAUNAY;
   if (refined) {
