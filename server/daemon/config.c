@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <jansson.h>
 #include <sched.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,8 +39,11 @@ static const limit_row limit_rows[] = {
     LIMIT(worker_memory_bytes, 0, UINT64_C(1) << 53),
 };
 
-bool config_fail(char error[CONFIG_ERROR], const char *format, const char *a, const char *b) {
-  snprintf(error, CONFIG_ERROR, format, a, b);
+bool config_fail(char error[CONFIG_ERROR], const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vsnprintf(error, CONFIG_ERROR, format, args);
+  va_end(args);
   return false;
 }
 
@@ -128,16 +132,16 @@ static bool read_list(string_list *list, const json_t *value) {
 static bool read_limits(config *cfg, const json_t *value, char error[CONFIG_ERROR]) {
   const char *name;
   json_t *item;
-  if (!json_is_object(value)) return config_fail(error, "limits is no object", "", "");
+  if (!json_is_object(value)) return config_fail(error, "limits is no object");
   json_object_foreach((json_t *)(uintptr_t)value, name, item) {
     const limit_row *row = NULL;
     for (size_t i = 0; i < sizeof limit_rows / sizeof *limit_rows; i++)
       if (!strcmp(limit_rows[i].name, name)) row = &limit_rows[i];
-    if (!row) return config_fail(error, "limits: unknown member \"%s\"%s", name, "");
+    if (!row) return config_fail(error, "limits: unknown member \"%s\"", name);
     json_int_t number = json_integer_value(item);
     if (!json_is_integer(item) || number < 0 || (uint64_t)number < row->least ||
         (uint64_t)number > row->most)
-      return config_fail(error, "limits.%s is no integer within its range%s", name, "");
+      return config_fail(error, "limits.%s is no integer within its range", name);
     uint64_t limit = (uint64_t)number;
     memcpy((char *)&cfg->limits + row->offset, &limit, sizeof limit);
   }
@@ -180,12 +184,10 @@ bool config_read_text(config *cfg, const char *text, size_t size, const char *fi
                       char error[CONFIG_ERROR]) {
   json_error_t fault;
   json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &fault);
-  if (!root) {
-    snprintf(error, CONFIG_ERROR, "%s:%d:%d: %s", file, fault.line, fault.column, fault.text);
-    return false;
-  }
+  if (!root)
+    return config_fail(error, "%s:%d:%d: %s", file, fault.line, fault.column, fault.text);
   bool ok = json_is_object(root);
-  if (!ok) config_fail(error, "%s: not a JSON object%s", file, "");
+  if (!ok) config_fail(error, "%s: not a JSON object", file);
   const char *name;
   json_t *value;
   if (ok) {
@@ -213,7 +215,7 @@ bool config_read_file(config *cfg, const char *path, char error[CONFIG_ERROR]) {
   size_t size = text ? fread(text, 1, FILE_MAX, file) : 0;
   bool ok = text && !ferror(file) && size < FILE_MAX;
   fclose(file);
-  if (!ok) config_fail(error, "%s: cannot be read, or is over 1 MiB%s", path, "");
+  if (!ok) config_fail(error, "%s: cannot be read, or is over 1 MiB", path);
   else ok = config_read_text(cfg, text, size, path, error);
   free(text);
   return ok;
@@ -259,22 +261,21 @@ bool config_finish(config *cfg, char error[CONFIG_ERROR]) {
   config_limits *limits = &cfg->limits;
   size_t n_listeners = cfg->unix_paths.count + cfg->tcp.count;
   if (cfg->inherit_fd >= 0 && n_listeners)
-    return config_fail(error, "--inherit serves one connection: no --unix or --tcp with it", "",
-                       "");
+    return config_fail(error, "--inherit serves one connection: no --unix or --tcp with it");
   if (cfg->inherit_fd < 0 && !n_listeners)
-    return config_fail(error, "nothing to listen on: give --unix, --tcp or --inherit", "", "");
+    return config_fail(error, "nothing to listen on: give --unix, --tcp or --inherit");
   for (size_t i = 0; i < cfg->tcp.count && !cfg->n_tokens; i++)
     if (!loopback(cfg->tcp.items[i]))
-      return config_fail(error, "--tcp %s is beyond the loopback: that needs tokens%s",
-                         cfg->tcp.items[i], "");
+      return config_fail(error, "--tcp %s is beyond the loopback: that needs tokens",
+                         cfg->tcp.items[i]);
   if (cfg->instance && !valid_instance(cfg->instance))
-    return config_fail(error, "instance \"%s\" is not 1 to 32 of [a-z0-9-]%s", cfg->instance, "");
+    return config_fail(error, "instance \"%s\" is not 1 to 32 of [a-z0-9-]", cfg->instance);
   if (!cfg->instance && !random_instance(&cfg->instance))
-    return config_fail(error, "no name for the instance: %s%s", strerror(errno), "");
+    return config_fail(error, "no name for the instance: %s", strerror(errno));
   if (!cfg->spool) {
     const char *folder = getenv("TMPDIR");
     if (!config_set_text(&cfg->spool, folder && *folder ? folder : "/tmp"))
-      return config_fail(error, "no memory", "", "");
+      return config_fail(error, "no memory");
   }
   if (!cfg->workers) cfg->workers = cfg->inherit_fd >= 0 ? 1 : processors();
   uint64_t physical = physical_memory();

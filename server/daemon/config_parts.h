@@ -7,10 +7,9 @@
 
 enum { CONFIG_WORKERS_MAX = 1024 };
 
-/* Writes a sentence of two texts into `error`; always false. */
-__attribute__((format(printf, 2, 0))) bool config_fail(char error[CONFIG_ERROR],
-                                                       const char *format, const char *a,
-                                                       const char *b);
+/* Writes a sentence into `error`; always false. */
+__attribute__((format(printf, 2, 3))) bool config_fail(char error[CONFIG_ERROR],
+                                                       const char *format, ...);
 
 bool string_list_add(string_list *list, const char *item);
 bool config_set_text(char **member, const char *value);

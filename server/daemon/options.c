@@ -101,14 +101,14 @@ bool config_read_options(config *cfg, int argc, char **argv, char error[CONFIG_E
   optind = 0;
   while ((option = getopt_long(argc, argv, ":", long_options, NULL)) != -1) {
     if (option == '?')
-      return config_fail(error, "unknown option \"%s\"%s", argv[optind - 1], "");
+      return config_fail(error, "unknown option \"%s\"", argv[optind - 1]);
     if (option == ':')
-      return config_fail(error, "option \"%s\" needs a value%s", argv[optind - 1], "");
+      return config_fail(error, "option \"%s\" needs a value", argv[optind - 1]);
     if (option == 'h') cfg->help = true;
     if (option == 'V') cfg->version = true;
     if (option == 'c' && !config_read_file(cfg, optarg, error)) return false;
   }
-  if (optind < argc) return config_fail(error, "unexpected argument \"%s\"%s", argv[optind], "");
+  if (optind < argc) return config_fail(error, "unexpected argument \"%s\"", argv[optind]);
   if (cfg->help || cfg->version) return true;
   optind = 0;
   while ((option = getopt_long(argc, argv, ":", long_options, NULL)) != -1)

@@ -37,13 +37,15 @@ def test_cancel_is_answered_within_100_ms(tmp_path):
 
 def test_a_worker_that_does_not_listen_is_killed(tmp_path):
     with Daemon(tmp_path, workers=1) as daemon, daemon.connect() as client:
-        job = client.submit(LONG)
-        daemon.signal_worker(job, signal.SIGSTOP)
-        start = time.monotonic()
-        assert client.call("job.cancel", job=job)["state"] == "cancelled"
-        took = time.monotonic() - start
-        assert 0.08 <= took < 0.2
-        daemon.wait_log("worker ended", signal="9")
+        took = []
+        for _ in range(3):
+            job = client.submit(LONG)
+            daemon.signal_worker(job, signal.SIGSTOP)
+            start = time.monotonic()
+            assert client.call("job.cancel", job=job)["state"] == "cancelled"
+            took.append(time.monotonic() - start)
+            daemon.wait_log("worker ended", signal="9")
+        assert 0.08 <= min(took) < 0.1
         assert client.call("job.wait", job=client.submit(100))["state"] == "done"
 
 
