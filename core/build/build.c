@@ -10,6 +10,11 @@
 #include "build/soup.h"
 #include "build/state.h"
 
+/* Tetrahedra between nearly coplanar facets that are flatter than this part of the
+ * box's diagonal are broken up; a build is begun again for them so many times. */
+static const double THIN = 2e-9;
+enum { MOST_ROUNDS = 4 };
+
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
   tet_pieces_free(ctx, &r->pieces);
   tet_free(ctx, r->same_as);
@@ -120,8 +125,10 @@ static void count_surface(tet_state *st, tet_build_result *r) {
   st->counts.segments = s->n_segments;
 }
 
-/* Regions: parts, rounding, seeds; into r->pieces. */
-static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_t *face_tri, tet_build_result *r) {
+/* Regions: parts, rounding, seeds; into r->pieces. With *ret_thin there are thin
+ * tetrahedra to break up first, and r->pieces is not complete. */
+static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_t *face_tri, tet_breaks *breaks,
+                              double thin, tet_build_result *r, size_t *ret_thin) {
   uint32_t *part = NULL, *tri = NULL, n_parts = 0;
   tet_stage_begin(st->ctx, "regions");
   tet_status status = tet_find_parts(st, face_tri, o->keep_hull, &part, &n_parts);
@@ -129,17 +136,24 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
   /* from here on the rounded coordinates are the truth */
   if (status == TET_OK)
     status = tet_repair(st->ctx, &st->surface, &st->points, &r->pieces, &tri, &st->counts);
-  if (status == TET_OK) status = tet_apply_seeds(st->ctx, st->pls, o->keep_hull, n_parts, &r->pieces, tri);
-  if (status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
-  if (status == TET_OK) tet_stage_counts(st->ctx, r->pieces.n_points, r->pieces.n_tets);
+  if (status == TET_OK)
+    status = tet_find_thin(st->ctx, &st->surface, &st->points, &r->pieces, tri, thin, breaks, ret_thin);
+  int done = status == TET_OK && !*ret_thin;
+  if (done) status = tet_apply_seeds(st->ctx, st->pls, o->keep_hull, n_parts, &r->pieces, tri);
+  if (done && status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
+  if (done && status == TET_OK) tet_stage_counts(st->ctx, r->pieces.n_points, r->pieces.n_tets);
   tet_free(st->ctx, part);
   tet_free(st->ctx, tri);
   return status;
 }
 
-static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_build_result *r) {
-  double tolerance = o->planarity_tolerance > 0 ? o->planarity_tolerance : 1e-5 * box_diagonal(&st->points);
+/* The steps of 5.2 once; see find_domain for *ret_thin. */
+static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_breaks *breaks, double thin,
+                            tet_build_result *r, size_t *ret_thin) {
+  double diagonal = box_diagonal(&st->points);
+  double tolerance = o->planarity_tolerance > 0 ? o->planarity_tolerance : 1e-5 * diagonal;
   uint32_t *face_tri = NULL;
+  st->breaks = breaks;
   tet_stage_begin(st->ctx, "surface");
   tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, &st->surface);
   if (status != TET_OK) return status;
@@ -156,28 +170,42 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_build
     status = tet_recover_facets(st, &face_tri);
     if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
   }
-  if (status == TET_OK) status = find_domain(st, o, face_tri, r);
+  if (status == TET_OK) status = find_domain(st, o, face_tri, breaks, thin * diagonal, r, ret_thin);
   tet_free(st->ctx, face_tri);
   return status;
 }
 
-tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
-                     tet_build_result *ret) {
+/* One build from the start; *ret_thin as in find_domain. */
+static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options, tet_breaks *breaks,
+                             double thin, tet_build_result *ret, size_t *ret_thin) {
   tet_state st;
   tet_build_result r;
   memset(&r, 0, sizeof r);
+  *ret_thin = 0;
   tet_status status = init_state(&st, ctx, pls);
   if (status == TET_OK) {
     r.same_as = tet_alloc(ctx, pls->n_points, sizeof *r.same_as);
     status = r.same_as ? TET_OK : tet_ctx_error(ctx)->status;
   }
   if (status == TET_OK)
-    status = options->stage == TET_STAGE_DELAUNAY ? build_delaunay(&st, &r) : build_cdt(&st, options, &r);
+    status = options->stage == TET_STAGE_DELAUNAY ? build_delaunay(&st, &r)
+                                                  : build_cdt(&st, options, breaks, thin, &r, ret_thin);
   st.counts.input_vertices = pls->n_points;
   st.counts.facets = pls->n_facets;
   r.counts = st.counts;
   free_state(&st);
-  if (status == TET_OK) *ret = r;
+  if (status == TET_OK && !*ret_thin) *ret = r;
   else tet_build_result_free(ctx, &r);
+  return status;
+}
+
+tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
+                     tet_build_result *ret) {
+  tet_breaks breaks = {NULL, 0, 0};
+  size_t thin = 1;
+  tet_status status = TET_OK;
+  for (int round = 0; thin && round < MOST_ROUNDS && status == TET_OK; round++)
+    status = build_once(ctx, pls, options, &breaks, round + 1 < MOST_ROUNDS ? THIN : 0, ret, &thin);
+  tet_free(ctx, breaks.at);
   return status;
 }

@@ -223,14 +223,14 @@ static tet_status requeue_cavity(recovery *r) {
   return status;
 }
 
-/* Splits missing subsegment e: a Steiner point in the complex and the surface. */
-static tet_status split(recovery *r, uint32_t e) {
+/* Splits subsegment e at t of its segment: a Steiner point in the complex and the
+ * surface. */
+static tet_status split_at(recovery *r, uint32_t e, double t) {
   tet_state *st = r->st;
   tet_surface *s = &st->surface;
-  uint32_t a = s->subseg[2 * (size_t)e], b = s->subseg[2 * (size_t)e + 1], p = TET_NONE, v;
+  uint32_t a = s->subseg[2 * (size_t)e], b = s->subseg[2 * (size_t)e + 1], v;
   uint32_t acute = r->acute[e];
-  tet_status status = reference_point(r, a, b, &p);
-  if (status == TET_OK) status = tet_state_add_steiner(st, s->subseg_segment[e], split_place(r, e, p), &v);
+  tet_status status = tet_state_add_steiner(st, s->subseg_segment[e], t, &v);
   if (status != TET_OK) return status;
   if (!memcmp(at(r, v), at(r, a), 3 * sizeof(double)) || !memcmp(at(r, v), at(r, b), 3 * sizeof(double)))
     return too_short(r, e);
@@ -253,6 +253,29 @@ static tet_status split(recovery *r, uint32_t e) {
   return status;
 }
 
+/* Splits missing subsegment e by the rules of 5.3.1. */
+static tet_status split(recovery *r, uint32_t e) {
+  const uint32_t *v = r->st->surface.subseg + 2 * (size_t)e;
+  uint32_t p = TET_NONE;
+  tet_status status = reference_point(r, v[0], v[1], &p);
+  return status == TET_OK ? split_at(r, e, split_place(r, e, p)) : status;
+}
+
+/* Splits segments where thin.c asks for it. Subsegments still are whole segments. */
+static tet_status split_breaks(recovery *r) {
+  const tet_breaks *breaks = r->st->breaks;
+  tet_status status = TET_OK;
+  for (size_t k = 0; k < breaks->n && status == TET_OK; k++) {
+    const tet_break *b = &breaks->at[k];
+    int again = k && breaks->at[k - 1].segment == b->segment;
+    if (again && breaks->at[k - 1].t == b->t) continue;
+    /* what is left towards b was appended last */
+    status = split_at(r, again ? r->st->surface.n_subsegs - 1 : b->segment, b->t);
+    r->st->counts.segment_steiner_points++;
+  }
+  return status;
+}
+
 static tet_status recover(recovery *r) {
   tet_surface *s = &r->st->surface;
   uint64_t splits = 0;
@@ -272,7 +295,7 @@ static tet_status recover(recovery *r) {
     if (status == TET_OK) status = tet_poll(r->ctx);
     tet_progress_report(r->ctx, -1.0, r->st->points.n, r->st->complex.n_live, splits);
   }
-  r->st->counts.segment_steiner_points = splits;
+  r->st->counts.segment_steiner_points += splits;
   return status;
 }
 
@@ -288,6 +311,7 @@ tet_status tet_recover_segments(tet_state *st) {
     status = tet_edge_map_put(r.ctx, &r.edges, v[0], v[1], e);
     if (status == TET_OK) status = enqueue(&r, e);
   }
+  if (status == TET_OK) status = split_breaks(&r);
   if (status == TET_OK) status = recover(&r);
   tet_edge_map_free(r.ctx, &r.edges);
   tet_free(r.ctx, r.on_segment);

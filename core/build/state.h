@@ -5,6 +5,7 @@
 
 #include "build/build.h"
 #include "build/surface.h"
+#include "build/thin.h"
 #include "mesh/complex.h"
 
 typedef struct tet_state {
@@ -17,13 +18,14 @@ typedef struct tet_state {
   tet_complex complex;
   tet_surface surface;
   tet_counts counts;
+  const tet_breaks *breaks; /* Steiner points wanted from the start */
 } tet_state;
 
 /* Appends the Steiner point a + t (b - a) of segment s. */
 tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *ret_v);
 
 /* SEGMENTRECOVERY (5.3): afterwards every subsegment of st->surface is an edge of
- * the Delaunay tetrahedralization st->complex. */
+ * the Delaunay tetrahedralization st->complex. st->breaks are split first. */
 tet_status tet_recover_segments(tet_state *st);
 
 /* FACETRECOVERY (5.4): afterwards every triangle of st->surface is a face. On
