@@ -65,7 +65,7 @@ def test_thousand_jobs_with_killed_workers(tmp_path, monkeypatch):
     monkeypatch.setenv("ASAN_OPTIONS", os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1")
     path = tmp_path / "d.sock"
     with Daemon("--unix", path, "--workers", WORKERS) as daemon, Connection(path) as connection:
-        run_jobs(connection, 100, daemon, set())  # what is allocated once is allocated now
+        run_jobs(connection, 300, daemon, set())  # what is allocated once is allocated now
         before, descriptors = settled(connection), daemon.descriptors()
         kill_at = set(random.Random(SEED).sample(range(50, JOBS - 50), KILLS))
         states, errors = run_jobs(connection, JOBS, daemon, kill_at)

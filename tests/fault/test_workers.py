@@ -165,6 +165,7 @@ def test_a_thousand_submissions_while_workers_are_killed(tmp_path, record_proper
         assert stats["bytes"]["uploads"] == 0 and stats["bytes"]["results"] == 0
         assert sum(stats["jobs"].values()) == 0
         assert {fds for _, fds in measures} == {start[1]}
-        assert daemon.spooled() == []
+        while daemon.spooled():  # the spool's thread may be behind; the run's time limit ends it
+            client.call("server.stats")
         if not sanitized():  # a sanitizer keeps what was freed
             assert measures[3][0] - measures[1][0] < 1024
