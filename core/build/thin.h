@@ -16,9 +16,10 @@ typedef struct tet_breaks {
   size_t n, cap;
 } tet_breaks;
 
-/* Looks for tetrahedra flatter than `least` between two subfaces that share a
- * subsegment (at a crease: than the facet is out of plane), and adds the place nearest to their opposite edge. tri: the
- * surface's triangle at each face of `p`. *ret_found: how many were new. */
+/* Looks for tetrahedra flatter than `least` (at a crease: than its facet is out of
+ * plane) between two subfaces that share a subsegment, and adds the place on it
+ * nearest to their opposite edge; least 0 finds none. tri: the surface's triangle at
+ * each face of `p`. *ret_found: how many were added. */
 tet_status tet_find_thin(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, const tet_pieces *p,
                          const uint32_t *tri, double least, tet_breaks *breaks, size_t *ret_found);
 
