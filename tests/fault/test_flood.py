@@ -9,7 +9,7 @@ import signal
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from serving import Connection, Daemon  # noqa: E402
+from serving import TETRAD, Connection, Daemon  # noqa: E402
 
 JOBS, KILLS, WORKERS, AT_ONCE = 1000, 4, 2, 16
 PLS = {"points": [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)],
@@ -61,7 +61,9 @@ def settled(connection):
 
 
 def test_thousand_jobs_with_killed_workers(tmp_path, monkeypatch):
-    # The address sanitizer keeps freed memory for a while: little of it, or that is what is measured.
+    # The address sanitizer keeps freed memory for a while, and books of its own: little of the one, and
+    # room for the other, or they are what is measured.
+    sanitized = b"__asan_init" in TETRAD.read_bytes()
     monkeypatch.setenv("ASAN_OPTIONS", os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1")
     path = tmp_path / "d.sock"
     with Daemon("--unix", path, "--workers", WORKERS) as daemon, Connection(path) as connection:
@@ -76,6 +78,6 @@ def test_thousand_jobs_with_killed_workers(tmp_path, monkeypatch):
         assert set(states) <= {"done", "failed"}
         assert len(errors) <= KILLS and set(errors) <= {"worker_killed"}
         assert after["workers"]["restarts"] - before["workers"]["restarts"] == KILLS
-        assert after["memory_bytes"] - before["memory_bytes"] < 1 << 20
+        assert after["memory_bytes"] - before["memory_bytes"] < (8 << 20 if sanitized else 1 << 20)
         assert daemon.descriptors() == descriptors
     assert daemon.status == 0
