@@ -9,7 +9,7 @@ static tet_status start(refiner *r, uint32_t p) {
   refine_cavity *c = &r->cavity;
   c->p = p;
   c->segment = TET_NONE;
-  c->reshaped = 0;
+  c->reshaped = c->restar = 0;
   c->tets.n = c->touched.n = c->subs.n = c->rim.n = c->rim_new.n = 0;
   c->faces.n = c->faces_new.n = c->vertices.n = 0;
   return TET_OK;
@@ -50,6 +50,22 @@ static tet_status grow(refiner *r) {
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet) {
   tet_status status = start(r, p);
   if (!status) status = add_tet(r, tet, MARK_NEEDED);
+  return status ? status : grow(r);
+}
+
+/* For vertex p anew: its tetrahedra from `tet` on, up to subfaces, which stay, and
+ * all in conflict with it. */
+tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet) {
+  refine_cavity *c = &r->cavity;
+  tet_status status = start(r, p);
+  c->restar = 1;
+  if (!status) status = add_tet(r, tet, MARK_NEEDED);
+  for (uint32_t k = 0; k < c->tets.n && !status; k++)
+    for (uint32_t h = 4 * c->tets.at[k]; h < 4 * c->tets.at[k] + 4 && !status; h++)
+      if (r->tet_sub[h] == TET_NONE && r->tet_v[h] != p) {
+        uint32_t u = r->tet_adj[h] >> 2;
+        if (!(r->tet_mark[u] & MARK_IN)) status = add_tet(r, u, MARK_NEEDED);
+      }
   return status ? status : grow(r);
 }
 
@@ -105,10 +121,17 @@ void refine_cavity_clear(refiner *r) {
   c->tets.n = c->touched.n = c->subs.n = 0;
 }
 
+/* 1 if face h of a star is a subface at its vertex, which stays. */
+int refine_is_wall(const refiner *r, uint32_t h) {
+  if (!r->cavity.restar || r->tet_sub[h] == TET_NONE) return 0;
+  uint32_t corner = refine_corner(r, h >> 2, r->cavity.p);
+  return corner != 4 && corner != (h & 3);
+}
+
 /* 1 if face h of a cavity tetrahedron bounds the cavity. */
 static int is_boundary(const refiner *r, uint32_t h) {
   uint32_t s = r->tet_sub[h];
-  if (s != TET_NONE) return !(r->sub_mark[s] & 1);
+  if (s != TET_NONE) return !(r->sub_mark[s] & 1) && !refine_is_wall(r, h);
   return !(r->tet_mark[r->tet_adj[h] >> 2] & MARK_IN);
 }
 
@@ -153,6 +176,7 @@ static int trim_pass(refiner *r, tet_status *ret_status) {
 static int keep_edge(refiner *r, uint32_t a, uint32_t b) {
   refine_cavity *c = &r->cavity;
   uint32_t far = TET_NONE;
+  if (a == c->p || b == c->p) return 0;
   for (uint32_t k = 0; k < c->tets.n; k++) {
     uint32_t t = c->tets.at[k], x = refine_corner(r, t, a), y = refine_corner(r, t, b);
     if (x == 4 || y == 4 || !(r->tet_mark[t] & MARK_IN)) continue;
@@ -213,6 +237,7 @@ static tet_status list_boundary(refiner *r, int *ret_ok) {
   uint32_t now = ++r->stamp_now;
   tet_status status = TET_OK;
   c->faces.n = c->vertices.n = 0;
+  r->stamp[c->p] = now;
   for (uint32_t k = 0; k < c->tets.n; k++) {
     uint32_t t = c->tets.at[k];
     if (!(r->tet_mark[t] & MARK_IN)) continue;

@@ -95,31 +95,22 @@ static tet_status queue_hit_segs(refiner *r, uint32_t n) {
   const uint32_t *v = r->tet_v + 4 * (size_t)n;
   for (int e = 0; e < 6; e++) {
     if (!(r->tet_edges[n] >> e & 1)) continue;
-    const uint8_t *ends = refine_edge[e], *rest = refine_edge[5 - e];
-    uint32_t a = v[ends[0]], b = v[ends[1]];
-    /* an old subsegment meets the new vertex alone */
-    int hit = tet_dot_sign(&r->points, a, b, v[rest[0]]) < 0;
-    if (!hit && ends[0] == 0) hit = tet_dot_sign(&r->points, a, b, v[rest[1]]) < 0;
-    if (!hit) continue;
+    uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
+    if (tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][0]]) >= 0 &&
+        tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][1]]) >= 0) continue;
     tet_status status = refine_queue_seg(r, refine_find_seg(r, a, b));
     if (status) return status;
   }
   return TET_OK;
 }
 
-/* Queues what the last insertion left to do: its new tetrahedra, and subsegments
- * and subfaces at them. */
-tet_status refine_after_insertion(refiner *r) {
-  const refine_cavity *c = &r->cavity;
-  tet_status status = TET_OK;
-  for (uint32_t k = 0; k < c->faces_new.n && !status; k++) {
-    uint32_t n = c->faces_new.at[k];
-    if (r->tet_edges[n] & 63) status = queue_hit_segs(r, n);
-    for (uint32_t i = 0; i < 4 && !status; i++) {
-      uint32_t s = r->tet_sub[4 * (size_t)n + i];
-      if (s != TET_NONE && refine_sub_hit_by(r, s, r->tet_v[4 * (size_t)n + i])) status = refine_queue_sub(r, s);
-    }
-    if (!status) status = refine_queue_tet(r, n);
+/* Queues what the new tetrahedron n leaves to do: itself, and subsegments and
+ * subfaces at it. */
+tet_status refine_look_at(refiner *r, uint32_t n) {
+  tet_status status = r->tet_edges[n] & 63 ? queue_hit_segs(r, n) : TET_OK;
+  for (uint32_t h = 4 * n; h < 4 * n + 4 && !status; h++) {
+    uint32_t s = r->tet_sub[h];
+    if (s != TET_NONE && refine_sub_hit_by(r, s, r->tet_v[h])) status = refine_queue_sub(r, s);
   }
-  return status;
+  return status ? status : refine_queue_tet(r, n);
 }

@@ -82,7 +82,7 @@ tet_status refine_list_exceptions(refiner *r) {
 /* Looks at every face, subface and subsegment once more. */
 tet_status refine_check(refiner *r) {
   tet_refine_result *ret = &r->result;
-  ret->gabriel = ret->constrained_delaunay = 1;
+  ret->gabriel = 1;
   for (uint32_t e = 0; e < r->n_segs && ret->gabriel; e++) {
     uint32_t by;
     tet_status status = refine_seg_encroached(r, e, &by);
@@ -91,14 +91,15 @@ tet_status refine_check(refiner *r) {
   }
   for (uint32_t s = 0; s < r->n_subs && ret->gabriel; s++)
     ret->gabriel = r->sub_v[3 * (size_t)s] == TET_NONE || !refine_sub_encroached(r, s);
-  for (uint32_t t = 0; t < r->n_tets && ret->constrained_delaunay; t++) {
+  for (uint32_t t = 0; t < r->n_tets; t++) {
     if (!refine_alive(r, t)) continue;
     const uint32_t *v = r->tet_v + 4 * (size_t)t;
-    for (uint32_t h = 4 * t; h < 4 * t + 4 && ret->constrained_delaunay; h++) {
+    for (uint32_t h = 4 * t; h < 4 * t + 4; h++) {
       if (r->tet_sub[h] != TET_NONE || r->tet_adj[h] < h) continue;
       uint32_t apex = r->tet_v[r->tet_adj[h]];
-      ret->constrained_delaunay = tet_insphere(&r->points, v[0], v[1], v[2], v[3], apex) <= 0;
+      if (tet_insphere(&r->points, v[0], v[1], v[2], v[3], apex) > 0) ret->n_not_delaunay++;
     }
   }
+  ret->constrained_delaunay = !ret->n_not_delaunay;
   return TET_OK;
 }

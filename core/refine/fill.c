@@ -5,6 +5,17 @@
  * tetrahedra, without hashing. */
 #include "refine/refiner.h"
 
+/* Face `by` of a new tetrahedron takes the place of face `was`. */
+static void take_face(refiner *r, uint32_t by, uint32_t was) {
+  uint32_t outer = r->tet_adj[was], s = r->tet_sub[was];
+  r->tet_adj[by] = outer;
+  if (outer != TET_NONE) r->tet_adj[outer] = by;
+  r->tet_sub[by] = s;
+  if (s == TET_NONE) return;
+  uint32_t *side = r->sub_side + 2 * (size_t)s;
+  side[side[0] != was] = by;
+}
+
 /* A tetrahedron p, f0, f1, f2 on boundary face h; tet_adj[h] becomes its number. */
 static tet_status span_face(refiner *r, uint32_t h) {
   uint32_t n, t = h >> 2;
@@ -12,17 +23,10 @@ static tet_status span_face(refiner *r, uint32_t h) {
   if (!status) status = refine_push(r, &r->cavity.faces_new, n);
   if (status) return status;
   const uint8_t *f = refine_face[h & 3];
-  uint32_t outer = r->tet_adj[h], s = r->tet_sub[h];
   size_t at = 4 * (size_t)n;
   r->tet_v[at] = r->cavity.p;
   for (int j = 0; j < 3; j++) r->tet_v[at + 1 + j] = r->tet_v[4 * (size_t)t + f[j]];
-  r->tet_adj[at] = outer;
-  if (outer != TET_NONE) r->tet_adj[outer] = 4 * n;
-  r->tet_sub[at] = s;
-  if (s != TET_NONE) {
-    uint32_t *side = r->sub_side + 2 * (size_t)s;
-    side[side[0] != h] = 4 * n;
-  }
+  take_face(r, 4 * n, h);
   r->tet_region[n] = r->tet_region[t];
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < i; j++)
@@ -45,8 +49,8 @@ static uint32_t rim_edge(const refiner *r, uint32_t s, uint32_t a, uint32_t b) {
 }
 
 /* Turns from boundary face h through the cavity around the edge of h without its
- * k-th vertex (0 to 2): to the next boundary face, or TET_NONE at the domain's
- * boundary, and over at most one rim edge. 0 if the cavity is folded there. */
+ * k-th vertex (0 to 2): to the next boundary face, or to a wall, or TET_NONE at the
+ * domain's boundary, and over at most one rim edge. 0 if the cavity is folded there. */
 static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_face, uint32_t *ret_rim) {
   uint32_t t = h >> 2, i = h & 3, j = refine_face[i][k], apex = r->tet_v[4 * (size_t)t + i];
   uint32_t a = r->tet_v[4 * (size_t)t + refine_face[i][(k + 1) % 3]];
@@ -55,6 +59,10 @@ static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_face, ui
   for (;;) {
     size_t exit = 4 * (size_t)t + j;
     if (r->tet_mark[t] >> j & 1) {
+      *ret_face = (uint32_t)exit;
+      return 1;
+    }
+    if (refine_is_wall(r, (uint32_t)exit)) {
       *ret_face = (uint32_t)exit;
       return 1;
     }
@@ -103,7 +111,7 @@ tet_status refine_cavity_is_sound(refiner *r, int *ret_ok) {
   return status;
 }
 
-static void hang(refiner *r, uint32_t sub, uint32_t h) {
+void refine_hang(refiner *r, uint32_t sub, uint32_t h) {
   r->tet_sub[h] = sub;
   uint32_t *side = r->sub_side + 2 * (size_t)sub;
   side[side[0] != TET_NONE] = h;
@@ -114,6 +122,10 @@ static void hang(refiner *r, uint32_t sub, uint32_t h) {
 static tet_status glue(refiner *r, uint32_t h, uint32_t n, uint32_t k) {
   uint32_t face, rim, here = 4 * n + k, there = TET_NONE;
   if (!turn(r, h, k - 1, &face, &rim)) return tet_internal(r->ctx, "a cavity is folded");
+  if (face != TET_NONE && !(r->tet_mark[face >> 2] >> (face & 3) & 1)) { /* a wall */
+    take_face(r, here, face);
+    return TET_OK;
+  }
   if (face != TET_NONE) {
     uint32_t m = r->tet_adj[face], corner = 1;
     const uint32_t *v = r->tet_v + 4 * (size_t)n;
@@ -124,19 +136,20 @@ static tet_status glue(refiner *r, uint32_t h, uint32_t n, uint32_t k) {
   }
   r->tet_adj[here] = there;
   if (rim == TET_NONE) return TET_OK;
-  hang(r, r->cavity.rim_new.at[rim], here);
-  if (there != TET_NONE) hang(r, r->cavity.rim_new.at[rim], there);
+  refine_hang(r, r->cavity.rim_new.at[rim], here);
+  if (there != TET_NONE) refine_hang(r, r->cavity.rim_new.at[rim], there);
   return TET_OK;
 }
 
-static void link(refiner *r, uint32_t g, uint32_t h) {
+/* Swaps what follows edge handles g and h: joins or parts their rings. */
+void refine_link(refiner *r, uint32_t g, uint32_t h) {
   uint32_t next = r->ring[g];
   r->ring[g] = r->ring[h];
   r->ring[h] = next;
 }
 
 /* Edge `h` gives its place in its ring to `by`. */
-static void replace_edge(refiner *r, uint32_t h, uint32_t by) {
+void refine_replace_edge(refiner *r, uint32_t h, uint32_t by) {
   uint32_t before = h, e = r->sub_seg[h];
   while (r->ring[before] != h) before = r->ring[before];
   if (before != h) {
@@ -152,7 +165,7 @@ static void replace_edge(refiner *r, uint32_t h, uint32_t by) {
 static void on_segment(refiner *r, uint32_t h, uint32_t e) {
   r->sub_seg[h] = e;
   if (r->seg_sub[e] == TET_NONE) r->seg_sub[e] = h;
-  else link(r, r->seg_sub[e], h);
+  else refine_link(r, r->seg_sub[e], h);
 }
 
 static tet_status span_rim(refiner *r) {
@@ -177,7 +190,7 @@ static tet_status link_rim(refiner *r, uint32_t e, uint32_t f) {
   uint32_t b = e == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)f + 1];
   for (uint32_t k = 0; k < c->rim.n; k++) {
     uint32_t n = c->rim_new.at[k], x = r->sub_v[3 * (size_t)n], y = r->sub_v[3 * (size_t)n + 1];
-    replace_edge(r, c->rim.at[k], 3 * n);
+    refine_replace_edge(r, c->rim.at[k], 3 * n);
     if (x == a || x == b) on_segment(r, 3 * n + 2, x == a ? e : f);
     if (y == a || y == b) {
       on_segment(r, 3 * n + 1, y == a ? e : f);
@@ -188,7 +201,7 @@ static tet_status link_rim(refiner *r, uint32_t e, uint32_t f) {
       if (r->sub_v[3 * (size_t)c->rim_new.at[i]] == y &&
           r->sub_patch[c->rim_new.at[i]] == r->sub_patch[n]) m = c->rim_new.at[i];
     if (m == TET_NONE || r->ring[3 * m + 2] != 3 * m + 2) return tet_internal(r->ctx, "a facet's cavity is no star");
-    link(r, 3 * n + 1, 3 * m + 2);
+    refine_link(r, 3 * n + 1, 3 * m + 2);
   }
   return TET_OK;
 }
@@ -217,8 +230,8 @@ static void mark_edges(refiner *r, uint32_t e, uint32_t f, int loose) {
   for (uint32_t k = 0; k < c->faces_new.n; k++) {
     uint32_t n = c->faces_new.at[k];
     const uint32_t *v = r->tet_v + 4 * (size_t)n;
-    for (int i = 1; i < 4 && e != TET_NONE; i++)
-      if (v[i] == a || v[i] == b) r->tet_edges[n] |= (uint8_t)(1 << refine_edge_of[0][i]);
+    for (int i = 1; i < 4 && (e != TET_NONE || c->restar); i++)
+      if (v[i] == a || v[i] == b || (c->restar && refine_find_seg(r, c->p, v[i]) != TET_NONE)) r->tet_edges[n] |= (uint8_t)(1 << refine_edge_of[0][i]);
     if (!loose) continue;
     for (int i = 0; i < 6; i++) {
       if (!(r->tet_edges[n] >> i & 1)) continue;
@@ -249,7 +262,7 @@ tet_status refine_fill(refiner *r) {
   if (!status) status = link_rim(r, e, f);
   if (status) return status;
   mark_edges(r, e, f, loose);
-  refine_shepard(r, c->p, &c->vertices, &r->size[c->p], &r->sharp_size[c->p]);
+  if (!c->restar) refine_shepard(r, c->p, &c->vertices, &r->size[c->p], &r->sharp_size[c->p]);
   for (uint32_t k = 0; k < c->tets.n; k++) {
     uint32_t t = c->tets.at[k];
     if (r->tet_mark[t] & MARK_IN) refine_free_tet(r, t);

@@ -47,3 +47,13 @@ int refine_is_flat(const refiner *r, const uint32_t v[4]) {
   }
   return 0;
 }
+
+/* 1 if v is a positive tetrahedron that rounding alone did not make so. */
+int refine_is_positive(const refiner *r, const uint32_t v[4]) {
+  if (tet_orient3d(&r->points, v[0], v[1], v[2], v[3]) <= 0) return 0;
+  for (int i = 0; i < 4; i++) {
+    uint32_t w[4] = {v[i], v[(i + 1) % 4], v[(i + 2) % 4], v[(i + 3) % 4]};
+    if (refine_is_flat(r, w)) return 0;
+  }
+  return 1;
+}

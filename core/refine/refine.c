@@ -49,9 +49,10 @@ static tet_status step(refiner *r, int *ret_more) {
   return TET_OK;
 }
 
-static tet_status run(refiner *r) {
+/* Applies rules until none is left. */
+static tet_status drain(refiner *r) {
   int more = 1;
-  tet_status status = queue_all(r);
+  tet_status status = TET_OK;
   while (!status && more) {
     status = step(r, &more);
     if (!status) status = tet_poll(r->ctx);
@@ -60,6 +61,21 @@ static tet_status run(refiner *r) {
     if ((done & 127) == 0) tet_progress_report(r->ctx, -1, r->points.n, r->n_tets - r->n_free_tets, done);
   }
   return status;
+}
+
+/* While subsegments are encroached, a face need not be able to be Delaunay: so what
+ * stuck is repaired when no rule applies, which may let rules apply again. */
+static tet_status run(refiner *r) {
+  enum { ROUNDS = 8 };
+  tet_status status = queue_all(r);
+  uint64_t flips = 0;
+  for (int round = 0; round < ROUNDS && !status; round++) {
+    status = drain(r);
+    if (!status) status = refine_repair_all(r);
+    if (flips == r->result.repair_flips) break;
+    flips = r->result.repair_flips;
+  }
+  return status ? status : drain(r);
 }
 
 tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options *options,

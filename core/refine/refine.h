@@ -30,6 +30,7 @@ typedef struct tet_refine_result {
   uint32_t *exception_tet;       /* [n] ascending; row of pieces->tets */
   double *exception_value;       /* [n] radius-edge ratio */
   uint32_t *exception_segment;   /* [n] row of pieces->subseg, the nearest sharp one, or TET_NONE */
+  uint64_t n_not_delaunay;       /* faces off the subfaces that stayed not locally Delaunay */
   int constrained_delaunay;      /* 1: every face off the subfaces is locally Delaunay */
   int gabriel;                   /* 1: no subface or subsegment is encroached */
 } tet_refine_result;

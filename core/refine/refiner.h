@@ -70,6 +70,7 @@ typedef struct refine_list {
 typedef struct refine_cavity {
   uint32_t p;            /* vertex, the last one */
   uint32_t segment;      /* subsegment being split, or TET_NONE */
+  int restar;            /* 1: p is a vertex already, its tetrahedra part of the cavity */
   int reshaped;          /* 1: not all of, or more than, the conflict region */
   refine_list tets;      /* in the cavity */
   refine_list touched;   /* marked otherwise */
@@ -183,19 +184,22 @@ tet_status refine_find_sharp(refiner *r);
 tet_status refine_lfs(refiner *r);
 void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours, double *ret_size,
                     double *ret_sharp);
-int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, refine_cause cause);
+int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause);
 int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n);
 
 /* flatness.c: three points of a segment, four of a facet, by incidence. */
 int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment);
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
+int refine_is_positive(const refiner *r, const uint32_t v[4]);
 
 /* cavity.c, facet_cavity.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
+tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet);
 tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub);
 tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg);
 tet_status refine_cavity_trim(refiner *r, int *ret_ok);
+int refine_is_wall(const refiner *r, uint32_t h);
 void refine_cavity_clear(refiner *r);
 tet_status refine_facet_cavity_grow(refiner *r);
 int refine_facet_cavity_trim(refiner *r);
@@ -203,6 +207,9 @@ void refine_facet_cavity_least(refiner *r);
 tet_status refine_facet_cavity_rim(refiner *r);
 tet_status refine_cavity_is_sound(refiner *r, int *ret_ok);
 tet_status refine_fill(refiner *r);
+void refine_hang(refiner *r, uint32_t sub, uint32_t h);
+void refine_link(refiner *r, uint32_t g, uint32_t h);
+void refine_replace_edge(refiner *r, uint32_t h, uint32_t by);
 
 /* encroach.c */
 int refine_seg_hit_by(const refiner *r, uint32_t e, uint32_t vertex);
@@ -210,7 +217,7 @@ int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex);
 tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_hits(refiner *r, int subfaces);
-tet_status refine_after_insertion(refiner *r);
+tet_status refine_look_at(refiner *r, uint32_t n);
 
 /* queue.c */
 tet_status refine_queue_seg(refiner *r, uint32_t e);
@@ -238,6 +245,7 @@ tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret);
 
 /* repair.c */
 tet_status refine_repair(refiner *r);
+tet_status refine_repair_all(refiner *r);
 
 /* exceptions.c */
 tet_status refine_list_exceptions(refiner *r);

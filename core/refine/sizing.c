@@ -211,14 +211,14 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
  * `vertices`. What existing vertices force (R1* (2), 3.4.1) is protected from
  * near sharp dihedral angles alone, and elsewhere by the floor. */
-int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, refine_cause cause) {
+int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause) {
   const double *x = refine_x(r, p);
   for (uint32_t i = 0; i < n; i++) {
     uint32_t v = vertices[i];
     const double *y = refine_x(r, v);
     double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
     double ball = r->o.floor * r->size[v];
-    double sharp = r->o.alpha2 * (cause == CAUSE_CENTRE && r->n_sharp ? r->size[v] : r->sharp_size[v]);
+    double sharp = alpha * (cause == CAUSE_CENTRE && r->n_sharp ? r->size[v] : r->sharp_size[v]);
     if (sharp > ball) ball = sharp;
     if (d <= ball * ball) return 0;
   }

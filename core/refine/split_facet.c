@@ -86,7 +86,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
       status = refine_push(r, &c->vertices, v);
     }
     if (status) return status;
-    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, cause) ||
+    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, r->o.alpha2, cause) ||
         (cause == CAUSE_CENTRE && refine_crowded(r, c->vertices.at, c->vertices.n))) {
       r->result.rejected.protected_ball++;
     } else if (!(r->sub_mark[s] & 1)) {
@@ -115,7 +115,7 @@ tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_o
   memcpy(old, r->sub_v + 3 * (size_t)s, sizeof old);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, r->patch[r->sub_patch[s]].facet);
   if (status) return status;
-  if (!refine_accepts(r, r->points.n - 1, old, 3, cause)) {
+  if (!refine_accepts(r, r->points.n - 1, old, 3, r->o.alpha2, cause)) {
     refine_drop_point(r);
     r->result.rejected.protected_ball++;
     return TET_OK;

@@ -19,14 +19,11 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
   refine_cavity *c = &r->cavity;
   tet_status status = refine_cavity_trim(r, ret_ok);
   if (status || !*ret_ok) return status;
-  int reshaped = c->reshaped;
   status = refine_fill(r);
-  if (!status && reshaped) {
-    for (uint32_t k = 0; k < c->faces_new.n && !status; k++)
-      for (uint32_t i = 0; i < 4 && !status; i++) status = refine_push(r, &r->suspects, 4 * c->faces_new.at[k] + i);
-    if (!status) status = refine_repair(r);
-  }
-  return status ? status : refine_after_insertion(r);
+  for (uint32_t k = 0; k < c->faces_new.n && !status; k++) status = refine_look_at(r, c->faces_new.at[k]);
+  for (uint32_t k = 0; k < 4 * c->faces_new.n && c->reshaped && !status; k++)
+    status = refine_push(r, &r->suspects, 4 * c->faces_new.at[k / 4] + k % 4);
+  return status || !c->reshaped ? status : refine_repair(r);
 }
 
 static double distance(const refiner *r, uint32_t a, uint32_t b) {
@@ -58,6 +55,14 @@ static double beside(const refiner *r, uint32_t a, uint32_t b, uint32_t v, doubl
   return 16 * height2 < arm * arm ? t : 0;
 }
 
+/* Near 1, another for each point. Cuts on common spheres make four vertices of a
+ * facet cocircular time and again; rounded, they are off their plane as well, and
+ * the two sides of the facet would see that tie differently. */
+static double off_tie(const refiner *r) {
+  uint32_t k = (r->points.n * 2654435761u) >> 12;
+  return 1 + (double)k * 0x1p-46;
+}
+
 /* Where subsegment e, encroached by vertex `by` or TET_NONE, is cut: as a fraction
  * of its length from its first end. */
 static double fraction(const refiner *r, uint32_t e, uint32_t by, double length) {
@@ -66,16 +71,16 @@ static double fraction(const refiner *r, uint32_t e, uint32_t by, double length)
   if (by == TET_NONE) return 0.5;
   for (int k = 0; k < 2; k++) {
     if (!shares_end(r, by, k ? b : a)) continue;
-    double cut = distance(r, by, k ? b : a) / length;
+    double cut = distance(r, by, k ? b : a) / length * off_tie(r);
     if (cut > least && cut < 1 - least) return k ? 1 - cut : cut;
   }
-  double cut = beside(r, a, b, by, length);
+  double cut = beside(r, a, b, by, length) * off_tie(r);
   if (cut > least && cut < 1 - least) return cut;
   int at_a = a < r->n_first && r->acute_end[a], at_b = b < r->n_first && r->acute_end[b];
   if (!(r->segment_sharp[r->seg_of[e]] & 1) || at_a == at_b) return 0.5;
   int power;
   frexp(length * (2.0 / 3.0), &power);
-  cut = ldexp(1.0, power - 1) / length; /* in (1/3, 2/3] */
+  cut = ldexp(1.0, power - 1) / length * off_tie(r); /* about 1/3 to 2/3 */
   return at_a ? cut : 1 - cut;
 }
 
@@ -93,11 +98,17 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
     r->result.rejected.too_short++;
     return TET_OK;
   }
-  for (int i = 0; i < 3; i++) x[i] = cut == 0.5 ? 0.5 * a[i] + 0.5 * b[i] : a[i] + cut * (b[i] - a[i]);
+  int exact = cut == 0.5;
+  for (int i = 0; i < 3; i++) {
+    x[i] = 0.5 * (a[i] + b[i]);
+    exact = exact && x[i] - a[i] == b[i] - x[i];
+  }
+  if (!exact && cut == 0.5) cut *= off_tie(r);
+  for (int i = 0; i < 3 && !exact; i++) x[i] = a[i] + cut * (b[i] - a[i]);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_SEGMENT, r->seg_of[e]);
   if (status) return status;
   int ok = 0;
-  if (!refine_accepts(r, r->points.n - 1, ends, 2, cause)) {
+  if (!refine_accepts(r, r->points.n - 1, ends, 2, cause == CAUSE_CENTRE ? r->o.alpha2 : 0, cause)) {
     r->result.rejected.protected_ball++;
   } else {
     status = refine_cavity_of_seg(r, r->points.n - 1, e);

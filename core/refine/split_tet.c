@@ -38,7 +38,7 @@ static tet_status try_centre(refiner *r, uint32_t t, refine_outcome *ret) {
       status = refine_push(r, &c->vertices, v);
     }
     if (status) return status;
-    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, CAUSE_CENTRE)) {
+    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, r->o.alpha2, CAUSE_CENTRE)) {
       r->result.rejected.protected_ball++;
     } else {
       status = refine_insert(r, &ok);
@@ -70,7 +70,7 @@ tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
     r->result.rejected.outside++;
     return TET_OK;
   }
-  if (!refine_accepts(r, r->points.n - 1, old, 4, CAUSE_CENTRE)) {
+  if (!refine_accepts(r, r->points.n - 1, old, 4, r->o.alpha2, CAUSE_CENTRE)) {
     refine_drop_point(r);
     r->result.rejected.protected_ball++;
     return TET_OK;
