@@ -8,7 +8,7 @@
 static tet_status start(refiner *r, uint32_t p) {
   refine_cavity *c = &r->cavity;
   c->p = p;
-  c->segment = TET_NONE;
+  c->segment = c->sub = TET_NONE;
   c->reshaped = c->restar = 0;
   c->tets.n = c->touched.n = c->subs.n = c->rim.n = c->rim_new.n = 0;
   c->faces.n = c->faces_new.n = c->vertices.n = 0;
@@ -69,8 +69,9 @@ tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet) {
   return status ? status : grow(r);
 }
 
-/* Both sides of every replaced subface, and from there all in conflict. */
-static tet_status add_sides(refiner *r) {
+/* Both sides of every replaced subface, and unless `least` all in conflict from
+ * there. */
+static tet_status add_sides(refiner *r, int least) {
   refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < c->subs.n; k++)
@@ -78,7 +79,8 @@ static tet_status add_sides(refiner *r) {
       uint32_t h = r->sub_side[2 * (size_t)c->subs.at[k] + side];
       if (h != TET_NONE) status = add_tet(r, h >> 2, MARK_NEEDED);
     }
-  return status ? status : grow(r);
+  r->cavity.reshaped |= least;
+  return status || least ? status : grow(r);
 }
 
 static tet_status replace_sub(refiner *r, uint32_t s) {
@@ -87,16 +89,18 @@ static tet_status replace_sub(refiner *r, uint32_t s) {
   return refine_push(r, &r->cavity.subs, s);
 }
 
-tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub) {
+/* The cavity of a point in `sub`; `least`: of no more than what it splits. */
+tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least) {
   tet_status status = start(r, p);
+  r->cavity.sub = sub;
   if (!status) status = replace_sub(r, sub);
-  if (!status) status = refine_facet_cavity_grow(r);
+  if (!status && !least) status = refine_facet_cavity_grow(r);
   if (status) return status;
-  if (!refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
-  return add_sides(r);
+  if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
+  return add_sides(r, least);
 }
 
-tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg) {
+tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least) {
   refine_cavity *c = &r->cavity;
   tet_status status = start(r, p);
   c->segment = seg;
@@ -105,12 +109,12 @@ tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg) {
     if (!status) status = replace_sub(r, h / 3);
     h = r->ring[h];
   } while (h != first);
-  if (!status) status = refine_facet_cavity_grow(r);
+  if (!status && !least) status = refine_facet_cavity_grow(r);
   if (status) return status;
-  if (!refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
+  if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
   status = refine_seg_star(r, seg, &c->tets);
   for (uint32_t k = 0; k < c->tets.n; k++) r->tet_mark[c->tets.at[k]] |= MARK_IN | MARK_NEEDED;
-  return status ? status : add_sides(r);
+  return status ? status : add_sides(r, least);
 }
 
 void refine_cavity_clear(refiner *r) {

@@ -70,6 +70,7 @@ typedef struct refine_list {
 typedef struct refine_cavity {
   uint32_t p;            /* vertex, the last one */
   uint32_t segment;      /* subsegment being split, or TET_NONE */
+  uint32_t sub;          /* subface being split, or TET_NONE */
   int restar;            /* 1: p is a vertex already, its tetrahedra part of the cavity */
   int reshaped;          /* 1: not all of, or more than, the conflict region */
   refine_list tets;      /* in the cavity */
@@ -196,8 +197,8 @@ int refine_is_positive(const refiner *r, const uint32_t v[4]);
 /* cavity.c, facet_cavity.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
 tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet);
-tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub);
-tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg);
+tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least);
+tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least);
 tet_status refine_cavity_trim(refiner *r, int *ret_ok);
 int refine_is_wall(const refiner *r, uint32_t h);
 void refine_cavity_clear(refiner *r);

@@ -72,7 +72,7 @@ static tet_status split_hit_segs(refiner *r, refine_cause cause, refine_outcome 
 static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause cause, refine_outcome *ret) {
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
-  tet_status status = refine_cavity_of_sub(r, p, at);
+  tet_status status = refine_cavity_of_sub(r, p, at, 0);
   if (!status) status = refine_collect_hits(r, 0);
   if (status) return status;
   int ok = 0;

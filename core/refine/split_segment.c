@@ -18,6 +18,12 @@
 tet_status refine_insert(refiner *r, int *ret_ok) {
   refine_cavity *c = &r->cavity;
   tet_status status = refine_cavity_trim(r, ret_ok);
+  if (!status && !*ret_ok && (c->segment != TET_NONE || c->sub != TET_NONE)) {
+    uint32_t p = c->p, segment = c->segment, sub = c->sub;
+    refine_cavity_clear(r);
+    status = segment != TET_NONE ? refine_cavity_of_seg(r, p, segment, 1) : refine_cavity_of_sub(r, p, sub, 1);
+    if (!status) status = refine_cavity_trim(r, ret_ok);
+  }
   if (status || !*ret_ok) return status;
   status = refine_fill(r);
   for (uint32_t k = 0; k < c->faces_new.n && !status; k++) status = refine_look_at(r, c->faces_new.at[k]);
@@ -111,7 +117,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   if (!refine_accepts(r, r->points.n - 1, ends, 2, cause == CAUSE_CENTRE ? r->o.alpha2 : 0, cause)) {
     r->result.rejected.protected_ball++;
   } else {
-    status = refine_cavity_of_seg(r, r->points.n - 1, e);
+    status = refine_cavity_of_seg(r, r->points.n - 1, e, 0);
     int crowded = !status && cause == CAUSE_CENTRE && refine_crowded(r, ends, 2);
     if (!status && !crowded) status = refine_insert(r, &ok);
     if (crowded) r->result.rejected.protected_ball++;
