@@ -2,14 +2,10 @@
 """Real models, end to end: tetractl meshes each, and an independent judge looks at the
 mesh; invalid ones are refused with the offending facets named."""
 
-import pathlib
 import re
-import sys
 
+import models
 import pytest
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-import models  # noqa: E402
 
 pytestmark = pytest.mark.skipif(not models.available(), reason="no models beside the checkout")
 VALID = models.valid_models() if models.available() else []

@@ -4,6 +4,7 @@ delay nobody, and lose no job."""
 
 import json
 import os
+import shutil
 import socket
 import subprocess
 
@@ -184,6 +185,21 @@ def test_connections_over_the_limit_wait(tmp_path):
         assert third.receive(late)["connections"] == 2
         second.close()
         third.close()
+
+
+@pytest.mark.skipif(not shutil.which("prlimit"), reason="prlimit is not installed")
+def test_connections_without_descriptors_wait(tmp_path):
+    with Daemon(tmp_path, workers=1, prefix=["prlimit", "--nofile=32"]) as daemon:
+        clients = [daemon.connect() for _ in range(40)]
+        daemon.wait_log("accept failed")
+        job = clients[0].submit(100)
+        assert clients[0].call("job.wait", job=job)["state"] == "done"
+        late = clients[-1].send("server.stats")
+        for client in clients[:-1]:
+            client.close()
+        assert clients[-1].receive(late)["jobs"]["done"] == 1
+        clients[-1].close()
+    assert sum(e.get("msg") == "accept failed" for e in daemon.log) < 100, "it asked all the time"
 
 
 def test_tcp_needs_hello_and_the_token(tmp_path):

@@ -3,13 +3,10 @@
 definite state, and the daemon keeps neither memory nor descriptors."""
 
 import os
-import pathlib
 import random
 import signal
-import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from serving import TETRAD, Connection, Daemon  # noqa: E402
+from harness import Daemon, sanitized
 
 JOBS, KILLS, WORKERS, AT_ONCE = 1000, 4, 2, 16
 PLS = {"points": [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)],
@@ -28,25 +25,25 @@ def run_jobs(connection, jobs, daemon, kill_at):
     def submit():
         nonlocal submitted
         submitted += 1
-        submits[connection.send("mesh.submit", {"pls": PLS, "options": {"max_volume": 0.01}})] = submitted
+        submits[connection.send("mesh.submit", pls=PLS, options={"max_volume": 0.01})] = submitted
 
     for _ in range(min(AT_ONCE, jobs)):
         submit()
     while ended < jobs:
-        message, _ = connection.read()
+        message, _ = connection.next()
         assert "error" not in message, message
         if submits.pop(message["id"], None):
-            waits[connection.send("job.wait", {"job": message["result"]["job"]})] = message["result"]["job"]
+            waits[connection.send("job.wait", job=message["result"]["job"])] = message["result"]["job"]
         elif message["id"] in waits:
             job = waits.pop(message["id"])
             state = message["result"]["state"]
             states[state] = states.get(state, 0) + 1
             if state == "failed":
                 errors.append(message["result"]["error"]["data"]["name"])
-            connection.send("job.delete", {"job": job})
+            connection.send("job.delete", job=job)
             ended += 1
             if ended in kill_at:
-                os.kill(random.Random(SEED + ended).choice(daemon.workers()), signal.SIGKILL)
+                os.kill(random.Random(SEED + ended).choice(daemon.worker_pids()), signal.SIGKILL)
             if submitted < jobs:
                 submit()
     return states, errors
@@ -63,10 +60,8 @@ def settled(connection):
 def test_thousand_jobs_with_killed_workers(tmp_path, monkeypatch):
     # The address sanitizer keeps freed memory for a while, and books of its own: little of the one, and
     # room for the other, or they are what is measured.
-    sanitized = b"__asan_init" in TETRAD.read_bytes()
     monkeypatch.setenv("ASAN_OPTIONS", os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1")
-    path = tmp_path / "d.sock"
-    with Daemon("--unix", path, "--workers", WORKERS) as daemon, Connection(path) as connection:
+    with Daemon(tmp_path, workers=WORKERS) as daemon, daemon.connect() as connection:
         run_jobs(connection, 300, daemon, set())  # what is allocated once is allocated now
         before, descriptors = settled(connection), daemon.descriptors()
         kill_at = set(random.Random(SEED).sample(range(50, JOBS - 50), KILLS))
@@ -78,6 +73,6 @@ def test_thousand_jobs_with_killed_workers(tmp_path, monkeypatch):
         assert set(states) <= {"done", "failed"}
         assert len(errors) <= KILLS and set(errors) <= {"worker_killed"}
         assert after["workers"]["restarts"] - before["workers"]["restarts"] == KILLS
-        assert after["memory_bytes"] - before["memory_bytes"] < (8 << 20 if sanitized else 1 << 20)
+        assert after["memory_bytes"] - before["memory_bytes"] < (8 << 20 if sanitized() else 1 << 20)
         assert daemon.descriptors() == descriptors
-    assert daemon.status == 0
+    assert daemon.process.returncode == 0

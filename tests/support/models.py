@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-from serving import BUILD, ROOT, TETRACTL
+from harness import BUILD, ROOT, TETRACTL
 
 SHARED = pathlib.Path(os.environ.get("TETRAD_SHARED", ROOT.parent / "shared"))
 RADIUS_EDGE = 2.0

@@ -14,9 +14,11 @@ import array
 import json
 import pathlib
 import re
+import socket
 import sys
+import tempfile
 
-import serving
+from harness import Client, Daemon, free_port
 
 
 def read_off(path):
@@ -42,23 +44,23 @@ def measure(client, points, triangles, radius_edge, order, codec):
            "triangles": {"dtype": "<u4", "shape": [len(triangles) // 3, 3], "at": [len(coordinates), len(vertices)]},
            "loose_points": []}
     options = {"radius_edge": radius_edge, "point_order": order}
-    job = client.call("mesh.submit", {"pls": pls, "options": options, "codec": codec}, coordinates + vertices)["job"]
-    done = client.call("job.wait", {"job": job})
+    job = client.call("mesh.submit", coordinates + vertices, pls=pls, options=options, codec=codec)["job"]
+    done = client.call("job.wait", job=job)
     if done["state"] != "done":
         sys.exit(f"wire_bytes: job {done['state']}: {done.get('error')}")
-    wire = {}
-
-    def count(message, body):
+    request = client.send("mesh.fetch", job=job)
+    wire, total = {}, 0
+    while True:
+        message, body = client.next()
+        size = len(json.dumps(message, separators=(",", ":"))) + 1 + len(body)  # a line as the server writes it
+        total += size
+        if message.get("id") == request:
+            break
         name = message["params"]["array"]
-        line = len(json.dumps(message, separators=(",", ":"))) + 1
-        wire[name] = wire.get(name, 0) + line + len(body)
-
-    before = client.bytes_read
-    client.call("mesh.fetch", {"job": job}, on_notification=count)
-    total = client.bytes_read - before
+        wire[name] = wire.get(name, 0) + size
     raw = {entry["name"]: raw_bytes(entry) for entry in done["arrays"]}
     shapes = {entry["name"]: entry["shape"][0] for entry in done["arrays"]}
-    client.call("job.delete", {"job": job})
+    client.call("job.delete", job=job)
     mesh = ["points", "tetrahedra"]
     part_raw, part_wire = sum(raw[n] for n in mesh), sum(wire[n] for n in mesh)
     print(f"| {order} | {codec} | {shapes['tetrahedra']} | {sum(raw.values())} | {total}"
@@ -70,11 +72,10 @@ def main():
         sys.exit("usage: wire_bytes.py SURFACE.off [RADIUS-EDGE]")
     points, triangles = read_off(sys.argv[1])
     radius_edge = float(sys.argv[2]) if len(sys.argv) > 2 else 1.414
-    port = serving.free_port()
-    with serving.Daemon("--tcp", f"127.0.0.1:{port}", "--workers", 1), \
-            serving.Connection(("127.0.0.1", port)) as client:
-        client.socket.settimeout(None)
-        client.call("server.hello", {"protocol": 1})
+    port = free_port()
+    with tempfile.TemporaryDirectory() as folder, Daemon(folder, "--tcp", f"127.0.0.1:{port}", workers=1), \
+            Client(socket.create_connection(("127.0.0.1", port)), timeout=None) as client:
+        client.call("server.hello", protocol=1)
         print("| order | codec | tetrahedra | raw | wire | wire/raw | points+tetrahedra raw | wire | wire/raw |")
         print("|---|---|---|---|---|---|---|---|---|")
         for order in ("hilbert", "input_first"):

@@ -2,13 +2,14 @@
 """A daemon under test and a client for it.
 
 Everything that waits waits for an event (a message, a log line, the end of a process)
-and gives up after LIMIT seconds; nothing sleeps.  The programs are found through
-$TETRAD_EXEC_PATH.
+and gives up after LIMIT seconds; nothing sleeps.  The programs are those of the build
+folder $TETRAD_BUILD, build/release where it is not set.
 """
 
 import array
 import json
 import os
+import pathlib
 import queue
 import random
 import re
@@ -19,7 +20,17 @@ import threading
 import time
 
 LIMIT = 60.0
-HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
+TETRACTL = BUILD / "clients/tetractl"
+os.environ.setdefault("TETRAD_EXEC_PATH", str(BUILD / "server"))  # tetractl's private daemon, too
+
+
+def free_port():
+    """A port of the loopback that nobody has now."""
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
 
 
 def program(name):
