@@ -70,7 +70,8 @@ class Daemon:
         self.reader = threading.Thread(target=self._read_log, daemon=True)
         self.reader.start()
         if inherit is None:
-            self.wait_log("listening")
+            for _ in range(1 + options.count("--tcp")):
+                self.wait_log("listening")
 
     def _read_log(self):
         for line in self.process.stderr:
