@@ -11,6 +11,11 @@ enum {
   INPUT_MAX = 256 << 10,    /* bytes read ahead of the parser */
   LINGER_MS = 1000,         /* to let the last error arrive before closing */
 
+  /* Descriptors. */
+  FDS_RESERVED = 16,        /* of the daemon itself */
+  FDS_WORKER = 4,           /* socket, pidfd, the file it fills; one to spare for its start */
+  FDS_CONNECTION = 2,       /* socket, the file that it fetches */
+
   /* One worker. */
   WORKER_INPUT = 2 << 20,
   CHUNK_MAX = 64 << 20,     /* encoded; rows of more than 1 MiB make large chunks */

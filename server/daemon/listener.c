@@ -34,9 +34,11 @@ static void on_accept(struct evconnlistener *handle, evutil_socket_t fd, struct 
   listeners_update(l->server);
 }
 
-/* No descriptors left, mostly: the connection waits in the kernel. */
+/* No descriptors left, mostly. The connection waits in the kernel, and the listener
+ * for the next listeners_update: asking at once would be asking all the time. */
 static void on_accept_error(struct evconnlistener *handle, void *arg) {
-  (void)handle, (void)arg;
+  (void)arg;
+  evconnlistener_disable(handle);
   LOG(LOG_ERROR, "accept failed", log_text("error", strerror(errno)));
 }
 
@@ -184,7 +186,7 @@ bool listeners_open(server *s) {
 
 void listeners_update(server *s) {
   listener *l;
-  bool open = s->n_connections < s->config->limits.max_connections;
+  bool open = s->n_connections < s->max_connections;
   TAILQ_FOREACH(l, &s->listeners, link) {
     if (open) evconnlistener_enable(l->handle);
     else evconnlistener_disable(l->handle);

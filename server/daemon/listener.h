@@ -9,7 +9,8 @@
  * Errors: false, logged; what was opened stays open until listeners_close. */
 bool listeners_open(server *server);
 
-/* Accepts or stops accepting, by the number of connections. */
+/* Accepts or stops accepting, by the number of connections. Called when that changes,
+ * and now and then. */
 void listeners_update(server *server);
 
 /* Closes all and removes the Unix sockets' files. */

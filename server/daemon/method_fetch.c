@@ -102,9 +102,11 @@ static tp_code open_file(fetch *f, tp_error *error) {
   if (fd >= 0)
     f->file = evbuffer_file_segment_new(fd, 0, (ev_off_t)bytes, EVBUF_FS_CLOSE_ON_FREE);
   if (f->file) return TP_OK;
-  tp_fail(error, TP_E_INTERNAL, NULL, "the result cannot be read: %s", strerror(errno));
+  bool full = fd < 0 && (errno == EMFILE || errno == ENFILE);
+  tp_code code = tp_fail(error, full ? TP_E_BUSY : TP_E_INTERNAL, NULL,
+                         "the result cannot be read now: %s", strerror(errno));
   if (fd >= 0) close(fd);
-  return TP_E_INTERNAL;
+  return code;
 }
 
 void fetch_start(request *r, const job *j) {
@@ -122,7 +124,9 @@ void fetch_start(request *r, const job *j) {
   }
   f->result = result_ref(j->result);
   if (choose_arrays(f, &error) != TP_OK || open_file(f, &error) != TP_OK) {
-    connection_error(c, r->id, &error, NULL);
+    bool busy = error.code == TP_E_BUSY;
+    json_t *data = busy ? json_pack("{s:i}", "retry_ms", BUSY_RETRY_MS) : NULL;
+    connection_error(c, r->id, &error, data);
     request_end(r);
     return;
   }

@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -72,6 +73,7 @@ static void on_janitor(evutil_socket_t fd, short what, void *arg) {
   connection *c;
   (void)fd, (void)what;
   jobs_expire(s, now);
+  listeners_update(s);
   TAILQ_FOREACH(c, &s->connections, link) connection_check_stall(c, now);
   if (s->draining && drained(s, now)) server_stop(s, 0);
 }
@@ -97,12 +99,23 @@ static void stop_events(events *e) {
   if (e->janitor) event_free(e->janitor);
 }
 
+/* Clients must not take the descriptors that jobs need. */
+static uint64_t connections_allowed(const config *cfg) {
+  struct rlimit limit;
+  uint64_t kept = FDS_RESERVED + (uint64_t)FDS_WORKER * cfg->workers;
+  if (getrlimit(RLIMIT_NOFILE, &limit)) return cfg->limits.max_connections;
+  uint64_t most = limit.rlim_cur > kept ? (limit.rlim_cur - kept) / FDS_CONNECTION : 0;
+  if (!most) most = 1;
+  return most < cfg->limits.max_connections ? most : cfg->limits.max_connections;
+}
+
 /* Everything that the loop needs; false is logged. */
 static bool start(server *s, events *e) {
   for (int i = 0; i < JOB_STATES; i++) TAILQ_INIT(&s->jobs[i]);
   TAILQ_INIT(&s->connections);
   TAILQ_INIT(&s->listeners);
   s->started = clock_now();
+  s->max_connections = connections_allowed(s->config);
   s->worker_program = spawn_find("tetrad-worker", TETRAD_LIBEXECDIR);
   if (!s->worker_program) {
     LOG(LOG_ERROR, "tetrad-worker not found", log_text("libexecdir", TETRAD_LIBEXECDIR));

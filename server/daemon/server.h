@@ -54,6 +54,7 @@ struct server {
   struct listener_list listeners;
   struct connection_list connections;
   unsigned n_connections, n_requests;
+  uint64_t max_connections; /* configured, or what descriptors allow */
   struct job_list jobs[JOB_STATES]; /* a job is in the list of its state */
   unsigned n_jobs[JOB_STATES];
   uint64_t next_job;

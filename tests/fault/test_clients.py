@@ -191,21 +191,21 @@ def test_connections_over_the_limit_wait(tmp_path):
 def test_connections_without_descriptors_wait(tmp_path):
     with Daemon(tmp_path, workers=1, prefix=["prlimit", "--nofile=32"]) as daemon:
         clients = [daemon.connect() for _ in range(40)]
-        daemon.wait_log("accept failed")
         job = clients[0].submit(100)
         assert clients[0].call("job.wait", job=job)["state"] == "done"
+        assert clients[0].call("mesh.fetch", job=job)["chunks"] > 0
         late = clients[-1].send("server.stats")
         for client in clients[:-1]:
             client.close()
         assert clients[-1].receive(late)["jobs"]["done"] == 1
         clients[-1].close()
-    assert sum(e.get("msg") == "accept failed" for e in daemon.log) < 100, "it asked all the time"
+    assert not [e for e in daemon.log if e.get("level") == "error"]
 
 
 def test_tcp_needs_hello_and_the_token(tmp_path):
     config = {"tokens": {"ann": "s3cret", "bob": "other"}}
     with Daemon(tmp_path, "--tcp", "127.0.0.1:0", workers=1, config=config) as daemon:
-        host, port = daemon.wait_log("listening")["tcp"].split(":")
+        host, port = next(e["tcp"] for e in daemon.log if "tcp" in e).split(":")
 
         def connect():
             return Client(socket.create_connection((host, int(port))))
