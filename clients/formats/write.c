@@ -21,7 +21,7 @@ static const struct {
 enum { TETGEN_FILES = 5 };
 
 static tf_status output_format(const char *path, tf_format *ret_format, tf_error *error) {
-    tf_format format;
+    tf_format format = TF_NODE;
     const tf_status status = tf_format_of(path, &format, error);
     if (status != TF_OK) {
         return status;
@@ -46,7 +46,7 @@ static char *tetgen_path(const char *path, int i) {
 }
 
 tf_status tf_write_check(const char *path, bool neighbours, tf_error *error) {
-    tf_format format;
+    tf_format format = TF_NODE;
     tf_status status = output_format(path, &format, error);
     if (status != TF_OK || format != TF_NODE) {
         return status == TF_OK ? tf_output_check(path, error) : status;
@@ -78,7 +78,7 @@ static tf_status write_tetgen(tf_outputs *set, const char *path, const tf_mesh *
 
 tf_status tf_write_mesh(tf_outputs *set, const char *path, const tp_arrays *mesh, int first_index,
                         tf_error *error) {
-    tf_format format;
+    tf_format format = TF_NODE;
     tf_mesh view;
     FILE *file;
     tf_status status = output_format(path, &format, error);

@@ -10,7 +10,7 @@ import subprocess
 import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAMS = pathlib.Path(os.environ.get("TETRAD_EXEC_PATH", ROOT / "build/release/server"))
+PROGRAMS = pathlib.Path(os.environ.get("TETRAD_EXEC_PATH", ROOT / "build/release"))
 PATIENCE = 60  # seconds until a test gives an answer up
 
 

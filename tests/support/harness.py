@@ -22,8 +22,8 @@ import time
 LIMIT = 60.0
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("TETRAD_BUILD", ROOT / "build/release"))
-TETRACTL = BUILD / "clients/tetractl"
-os.environ.setdefault("TETRAD_EXEC_PATH", str(BUILD / "server"))  # tetractl's private daemon, too
+TETRACTL = BUILD / "tetractl"
+os.environ.setdefault("TETRAD_EXEC_PATH", str(BUILD))  # tetractl's private daemon, too
 
 
 def free_port():
