@@ -14,11 +14,14 @@ static int over_bounds(const tet_mesh *m, uint32_t t, tet_shape *ret_shape) {
          (own > 0 && ret_shape->volume > own * slack);
 }
 
-/* Merges into tets, ratios, segments, where these are not NULL; returns how many. */
-static uint32_t merge(const tet_mesh *m, uint32_t *tets, double *ratios, uint32_t *segments) {
+/* Merges into tets, ratios, segments, where these are not NULL; *ret_n: how many. */
+static tet_status merge(tet_ctx *ctx, const tet_mesh *m, uint32_t *tets, double *ratios, uint32_t *segments,
+                        uint32_t *ret_n) {
   uint32_t n = 0, listed = 0;
   tet_shape shape;
   for (uint32_t t = 0; t < m->n_tetrahedra; t++) {
+    tet_status status = (t & 4095) == 0 ? tet_poll(ctx) : TET_OK;
+    if (status != TET_OK) return status;
     int known = listed < m->n_exceptions && m->exception_tetrahedra[listed] == t;
     if (!known && !over_bounds(m, t, &shape)) continue;
     if (tets) {
@@ -29,21 +32,23 @@ static uint32_t merge(const tet_mesh *m, uint32_t *tets, double *ratios, uint32_
     listed += known;
     n++;
   }
-  return n;
+  *ret_n = n;
+  return TET_OK;
 }
 
 tet_status tet_complete_exceptions(tet_ctx *ctx, tet_mesh *mesh) {
-  uint32_t n = merge(mesh, NULL, NULL, NULL);
-  if (n == mesh->n_exceptions) return TET_OK;
+  uint32_t n = 0;
+  tet_status status = merge(ctx, mesh, NULL, NULL, NULL, &n);
+  if (status != TET_OK || n == mesh->n_exceptions) return status;
   uint32_t *tets = tet_alloc(ctx, n, sizeof *tets), *segments = tet_alloc(ctx, n, sizeof *segments);
   double *ratios = tet_alloc(ctx, n, sizeof *ratios);
-  if (!tets || !segments || !ratios) {
+  status = tets && segments && ratios ? merge(ctx, mesh, tets, ratios, segments, &n) : tet_ctx_error(ctx)->status;
+  if (status != TET_OK) {
     tet_free(ctx, tets);
     tet_free(ctx, segments);
     tet_free(ctx, ratios);
-    return tet_ctx_error(ctx)->status;
+    return status;
   }
-  merge(mesh, tets, ratios, segments);
   tet_free(ctx, mesh->exception_tetrahedra);
   tet_free(ctx, mesh->exception_segments);
   tet_free(ctx, mesh->exception_radius_edge);

@@ -15,7 +15,15 @@ static tet_status permute(tet_ctx *ctx, void *array, uint32_t n, size_t bytes, c
   if (!old || !bytes) return TET_OK;
   moved = tet_alloc(ctx, n, bytes);
   if (!moved) return tet_ctx_error(ctx)->status;
-  for (uint32_t i = 0; i < n; i++) memcpy(moved + i * bytes, old + (uint32_t)order[i].value * bytes, bytes);
+  tet_status status = TET_OK;
+  for (uint32_t i = 0; i < n && status == TET_OK; i++) {
+    memcpy(moved + i * bytes, old + (uint32_t)order[i].value * bytes, bytes);
+    if ((i & 65535) == 0) status = tet_poll(ctx);
+  }
+  if (status != TET_OK) {
+    tet_free(ctx, moved);
+    return status;
+  }
   memcpy(array, &moved, sizeof moved);
   tet_free(ctx, old);
   return TET_OK;
