@@ -36,6 +36,7 @@ typedef struct exchange {
         const char *data;
         size_t size;
     } out[2]; /* line and body, what is left of them */
+    size_t line_size; /* whole */
     bool wanted; /* the body being read belongs to this call */
     bool sending_failed;
     bool done;
@@ -217,14 +218,17 @@ static void give_up(exchange *x) {
     json_decref(params);
 }
 
-// An interrupted request is given up. Half a message cannot be: the connection is
-// useless then. An upload that is out is answered at once, and its answer is wanted.
+// An interrupted request is given up; one of which nothing is out is as if it had never
+// been. Half a message cannot be given up: the connection is useless then. An upload
+// that is out is answered at once, and its answer is wanted.
 static tetrad_status interrupt(exchange *x, bool upload) {
     uint64_t count;
     if (upload && !sending(x)) {
         return TETRAD_OK;
     }
-    if (sending(x)) {
+    if (x->out[0].size == x->line_size) {
+        x->out[0].size = x->out[1].size = 0;
+    } else if (sending(x)) {
         x->client->broken = true;
     } else {
         give_up(x);
@@ -290,7 +294,7 @@ tetrad_status tc_call(tetrad_client *client, const char *method, const json_t *p
     json_decref(id);
     exchange x = {.client = client, .id = client->last_id, .listener = listener, .error = error};
     x.out[0].data = line;
-    x.out[0].size = size;
+    x.out[0].size = x.line_size = size;
     x.out[1].data = body_size > 0 ? (const char *)body->data : NULL;
     x.out[1].size = body_size;
     const tetrad_status status = pump(&x, body_size > 0);
