@@ -5,7 +5,8 @@
 #include "refine/refiner.h"
 
 void tet_refine_options_default(tet_refine_options *options) {
-  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.35, .crowd = 0.3, .floor = 1e-3};
+  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.35, .wedge = 10,
+                                  .crowd = 0.05, .crowd_facets = 0.3, .floor = 1e-3};
 }
 
 void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {

@@ -15,8 +15,11 @@ typedef struct tet_refine_options {
   double radius_edge; /* bound rho_0, >= 1 */
   double max_volume;  /* of every tetrahedron; 0: none. Regions: pieces->region_max_volume */
   double alpha2;      /* scales the protecting balls near sharp segments (4.1.2) */
-  double crowd;       /* below this share of the distance to what it splits, a gap to the next
-                         polytope keeps a rejected circumcentre from splitting that */
+  double wedge;       /* times alpha2: at sharp dihedral angles, where existing vertices force
+                         a split */
+  double crowd;       /* a gap to the next segment below this share of the distance to what it
+                         splits keeps a rejected circumcentre from splitting that */
+  double crowd_facets; /* the same, for the gap to the next facet at sharp dihedral angles */
   double floor;       /* scales those of all vertices; far below what angles that are
                          not sharp can cause, it ends every other cascade */
 } tet_refine_options;

@@ -209,8 +209,9 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
 }
 
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
- * `vertices`. What existing vertices force (R1* (2), 3.4.1) is protected from
- * near sharp dihedral angles alone, and elsewhere by the floor. */
+ * `vertices`, of alpha times their size. What existing vertices force (R1* (2),
+ * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it
+ * has no end; elsewhere by the floor. */
 int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause) {
   const double *x = refine_x(r, p);
   for (uint32_t i = 0; i < n; i++) {
@@ -218,15 +219,15 @@ int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint3
     const double *y = refine_x(r, v);
     double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
     double ball = r->o.floor * r->size[v];
-    double sharp = alpha * (cause == CAUSE_CENTRE && r->n_sharp ? r->size[v] : r->sharp_size[v]);
+    double sharp = cause == CAUSE_CENTRE && r->n_sharp ? alpha * r->size[v] : r->o.wedge * alpha * r->sharp_size[v];
     if (sharp > ball) ball = sharp;
     if (d <= ball * ball) return 0;
   }
   return 1;
 }
 
-/* 1 if p, the grown cavity's point, is closer to another segment or facet than
- * `crowd` times its distance from `vertices`: inserted there, it would have its
+/* 1 if p, the grown cavity's point, is closer to another segment than `crowd` times
+ * its distance from `vertices`, or to another facet than `crowd_facets` times: inserted there, it would have its
  * image in that one split as well, and leave an edge as short as the gap. */
 int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
   const refine_cavity *c = &r->cavity;
@@ -236,6 +237,9 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
     const double *y = refine_x(r, vertices[i]);
     room = fmin(room, edge_distance2(y, y, x));
   }
+  int wedged = 0; /* near a sharp dihedral angle */
+  for (uint32_t i = 0; i < n; i++) wedged |= r->sharp_size[vertices[i]] > 0.5 * r->size[vertices[i]];
+  double share = wedged ? r->o.crowd_facets : r->o.crowd, wide = room * share * share;
   room *= r->o.crowd * r->o.crowd;
   uint32_t own = c->segment == TET_NONE ? TET_NONE : r->seg_of[c->segment];
   for (uint32_t k = 0; k < c->tets.n; k++) {
@@ -251,7 +255,7 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
       uint32_t s = r->tet_sub[4 * (size_t)t + i];
       if (s == TET_NONE) continue;
       const uint32_t *w = r->sub_v + 3 * (size_t)s;
-      if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < room &&
+      if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < wide &&
           !refine_on_facet(r, c->p, r->patch[r->sub_patch[s]].facet))
         return 1;
     }

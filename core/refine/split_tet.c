@@ -4,6 +4,7 @@
  * instead, subsegments first. */
 #include "refine/refiner.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { MOST_TRIED = 8 }; /* subfaces for one candidate */
@@ -20,11 +21,21 @@ static tet_status split_hits(refiner *r, refine_outcome *ret) {
   return status;
 }
 
-/* Inserts the last point for tetrahedron t. */
-static tet_status try_centre(refiner *r, uint32_t t, refine_outcome *ret) {
+/* Inserts x for tetrahedron t, or splits `instead` what it encroaches upon. */
+static tet_status try_point(refiner *r, uint32_t t, const double x[3], int instead, refine_outcome *ret) {
+  const uint32_t *corner = r->tet_v + 4 * (size_t)t;
+  *ret = OUTCOME_REJECTED;
+  tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
+  if (status) return status;
+  /* the circumcentre of a near-flat tetrahedron is noise unless it is inside */
+  if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) <= 0) {
+    refine_drop_point(r);
+    r->result.rejected.outside++;
+    return TET_OK;
+  }
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
-  tet_status status = refine_cavity_of_tet(r, p, t);
+  status = refine_cavity_of_tet(r, p, t);
   if (!status) status = refine_collect_hits(r, 1);
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
@@ -38,7 +49,7 @@ static tet_status try_centre(refiner *r, uint32_t t, refine_outcome *ret) {
       status = refine_push(r, &c->vertices, v);
     }
     if (status) return status;
-    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, r->o.alpha2, CAUSE_CENTRE)) {
+    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, 0, CAUSE_CENTRE)) {
       r->result.rejected.protected_ball++;
     } else {
       status = refine_insert(r, &ok);
@@ -53,29 +64,34 @@ static tet_status try_centre(refiner *r, uint32_t t, refine_outcome *ret) {
   }
   refine_cavity_clear(r);
   refine_drop_point(r);
-  return hit ? split_hits(r, ret) : TET_OK;
+  return hit && instead ? split_hits(r, ret) : TET_OK;
+}
+
+/* A point from the shortest edge's midpoint towards the circumcentre, rho_0 times
+ * that edge away (an off-centre, Uengoer 2004): the circumball being empty, no
+ * vertex is closer to it than that. 0 if that is about the circumcentre. */
+static int off_centre(const refiner *r, const refine_shape *s, double x[3]) {
+  const double *a = refine_x(r, s->short_a), *b = refine_x(r, s->short_b);
+  double d[3], length2 = 0;
+  for (int i = 0; i < 3; i++) {
+    x[i] = 0.5 * (a[i] + b[i]);
+    d[i] = s->centre[i] - x[i];
+    length2 += d[i] * d[i];
+  }
+  double share = r->o.radius_edge * sqrt(s->shortest2 / length2);
+  if (!(share < 0.8)) return 0;
+  for (int i = 0; i < 3; i++) x[i] += share * d[i];
+  return 1;
 }
 
 tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
   refine_shape shape;
   uint32_t old[4];
+  double x[3];
   memcpy(old, r->tet_v + 4 * (size_t)t, sizeof old);
   refine_measure(r, t, &shape);
-  *ret = OUTCOME_REJECTED;
-  tet_status status = refine_add_point(r, shape.centre, TET_ORIGIN_VOLUME, TET_NONE);
-  if (status) return status;
-  /* the circumcentre of a near-flat tetrahedron is noise unless it is inside */
-  if (tet_insphere_sos(&r->points, old[0], old[1], old[2], old[3], r->points.n - 1) <= 0) {
-    refine_drop_point(r);
-    r->result.rejected.outside++;
-    return TET_OK;
-  }
-  if (!refine_accepts(r, r->points.n - 1, old, 4, r->o.alpha2, CAUSE_CENTRE)) {
-    refine_drop_point(r);
-    r->result.rejected.protected_ball++;
-    return TET_OK;
-  }
-  status = try_centre(r, t, ret);
+  tet_status status = try_point(r, t, shape.centre, 1, ret);
+  if (!status && *ret == OUTCOME_REJECTED && off_centre(r, &shape, x)) status = try_point(r, t, x, 0, ret);
   if (status || *ret != OUTCOME_INSERTED) return status;
   if (memcmp(old, r->tet_v + 4 * (size_t)t, sizeof old) == 0) return refine_queue_tet(r, t);
   return TET_OK;
