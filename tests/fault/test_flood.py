@@ -75,4 +75,5 @@ def test_thousand_jobs_with_killed_workers(tmp_path, monkeypatch):
         assert after["workers"]["restarts"] - before["workers"]["restarts"] == KILLS
         assert after["memory_bytes"] - before["memory_bytes"] < (8 << 20 if sanitized() else 1 << 20)
         assert daemon.descriptors() == descriptors
-    assert daemon.process.returncode == 0
+        daemon.process.terminate()
+        assert daemon.wait() == 0
