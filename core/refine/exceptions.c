@@ -85,6 +85,7 @@ tet_status refine_check(refiner *r) {
   ret->gabriel = 1;
   for (uint32_t e = 0; e < r->n_segs && ret->gabriel; e++) {
     uint32_t by;
+    if (r->out->segment[r->seg_of[e]].crease) continue; /* not promised */
     tet_status status = refine_seg_encroached(r, e, &by);
     if (status) return status;
     ret->gabriel = by == TET_NONE;

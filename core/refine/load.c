@@ -303,10 +303,53 @@ static tet_status take_over(refiner *r) {
   return TET_OK;
 }
 
+/* 1 if the two subfaces at crease e are in one plane but for last bits. */
+static int is_flat_crease(const refiner *r, uint32_t e) {
+  static const double tolerance = 1e-12;
+  uint32_t h = r->seg_sub[e], o = h == TET_NONE ? h : r->ring[h];
+  if (h == o || r->ring[o] != h) return 0;
+  const uint32_t *v = r->sub_v + 3 * (size_t)(h / 3);
+  uint32_t apex = r->sub_v[o - o % 3 + (o + 2) % 3];
+  const double *a = refine_x(r, v[0]), *d = refine_x(r, apex);
+  double n[3], height = 0, normal2 = 0, reach2 = 0;
+  cross(a, refine_x(r, v[1]), refine_x(r, v[2]), n);
+  for (int i = 0; i < 3; i++) {
+    height += n[i] * (d[i] - a[i]);
+    normal2 += n[i] * n[i];
+    reach2 += (d[i] - a[i]) * (d[i] - a[i]);
+  }
+  return height * height <= tolerance * tolerance * normal2 * reach2;
+}
+
+/* Drops the creases that are flat all along: inside one input facet they are no
+ * bounds to anything. */
+static tet_status drop_creases(refiner *r) {
+  uint8_t *keep = tet_calloc(r->ctx, r->out->n_segments, 1);
+  if (!keep) return TET_E_MEMORY;
+  for (uint32_t e = 0; e < r->n_segs; e++) {
+    uint32_t s = r->seg_of[e];
+    if (!r->out->segment[s].crease || !is_flat_crease(r, e)) keep[s] = 1;
+  }
+  uint32_t n = 0;
+  for (uint32_t e = 0; e < r->n_segs; e++) {
+    if (!keep[r->seg_of[e]]) continue;
+    memmove(r->seg_v + 2 * (size_t)n, r->seg_v + 2 * (size_t)e, 2 * sizeof *r->seg_v);
+    r->seg_of[n++] = r->seg_of[e];
+  }
+  int dropped = n < r->n_segs;
+  r->n_segs = n;
+  tet_free(r->ctx, keep);
+  if (!dropped) return TET_OK;
+  memset(r->seg_sub, 0xff, n * sizeof *r->seg_sub);
+  return refine_build_seg_table(r);
+}
+
 tet_status refine_load(refiner *r) {
   tet_status status = take_over(r);
   if (!status) status = refine_build_seg_table(r);
   if (!status) status = hang_subfaces(r);
+  if (!status) status = link_rings(r);
+  if (!status) status = drop_creases(r);
   if (!status) status = link_rings(r);
   const uint32_t *facet = r->out->subface_facet;
   if (!status) status = gather_patches(r, facet);

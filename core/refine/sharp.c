@@ -30,11 +30,15 @@ static tet_status plane_angles(refiner *r) {
   uint32_t n = r->points.n;
   uint32_t *start = tet_calloc(r->ctx, (size_t)n + 2, sizeof *start);
   uint32_t *at = tet_alloc(r->ctx, 2 * (size_t)p->n_segments, sizeof *at);
-  tet_status status = start && at ? TET_OK : TET_E_MEMORY;
+  uint8_t *live = tet_calloc(r->ctx, p->n_segments, 1); /* not so: creases that load.c dropped */
+  tet_status status = start && at && live ? TET_OK : TET_E_MEMORY;
+  for (uint32_t e = 0; e < r->n_segs && !status; e++) live[r->seg_of[e]] = 1;
   if (!status) {
-    for (uint32_t s = 0; s < p->n_segments; s++) start[p->segment[s].a + 2]++, start[p->segment[s].b + 2]++;
+    for (uint32_t s = 0; s < p->n_segments; s++)
+      if (live[s]) start[p->segment[s].a + 2]++, start[p->segment[s].b + 2]++;
     for (uint32_t i = 0; i < n; i++) start[i + 2] += start[i + 1];
     for (uint32_t s = 0; s < p->n_segments; s++) {
+      if (!live[s]) continue;
       at[start[p->segment[s].a + 1]++] = s;
       at[start[p->segment[s].b + 1]++] = s;
     }
@@ -51,6 +55,7 @@ static tet_status plane_angles(refiner *r) {
   }
   tet_free(r->ctx, start);
   tet_free(r->ctx, at);
+  tet_free(r->ctx, live);
   return status;
 }
 
