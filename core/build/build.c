@@ -206,6 +206,10 @@ tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *
   tet_status status = TET_OK;
   for (int round = 0; thin && round < MOST_ROUNDS && status == TET_OK; round++)
     status = build_once(ctx, pls, options, &breaks, round + 1 < MOST_ROUNDS ? THIN : 0, ret, &thin);
+  if (status == TET_E_ROUNDING && breaks.n) { /* better thin tetrahedra than none */
+    breaks.n = 0;
+    status = build_once(ctx, pls, options, &breaks, 0, ret, &thin);
+  }
   tet_free(ctx, breaks.at);
   return status;
 }
