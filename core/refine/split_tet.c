@@ -84,13 +84,46 @@ static int off_centre(const refiner *r, const refine_shape *s, double x[3]) {
   return 1;
 }
 
+/* The circumcentre of the face of t with the longest normal: inside the circumball
+ * of a near-flat tetrahedron, wherever rounding puts that ball's own centre. */
+static void face_centre(const refiner *r, uint32_t t, double x[3]) {
+  double most = 0;
+  for (int f = 0; f < 4; f++) {
+    const double *c[3];
+    double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0;
+    for (int j = 0; j < 3; j++) c[j] = refine_x(r, r->tet_v[4 * (size_t)t + refine_face[f][j]]);
+    for (int i = 0; i < 3; i++) {
+      p[i] = c[1][i] - c[0][i];
+      q[i] = c[2][i] - c[0][i];
+      pp += p[i] * p[i];
+      qq += q[i] * q[i];
+    }
+    for (int i = 0; i < 3; i++) {
+      n[i] = p[(i + 1) % 3] * q[(i + 2) % 3] - p[(i + 2) % 3] * q[(i + 1) % 3];
+      nn += n[i] * n[i];
+    }
+    if (!(nn > most)) continue;
+    most = nn;
+    for (int i = 0; i < 3; i++) {
+      int j = (i + 1) % 3, k = (i + 2) % 3;
+      x[i] = c[0][i] + ((pp * q[j] - qq * p[j]) * n[k] - (pp * q[k] - qq * p[k]) * n[j]) / (2 * nn);
+    }
+  }
+}
+
 tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
   refine_shape shape;
   uint32_t old[4];
   double x[3];
   memcpy(old, r->tet_v + 4 * (size_t)t, sizeof old);
   refine_measure(r, t, &shape);
+  uint64_t noise = r->result.rejected.outside;
   tet_status status = try_point(r, t, shape.centre, 1, ret);
+  if (!status && noise != r->result.rejected.outside) {
+    memcpy(x, shape.centre, sizeof x);
+    face_centre(r, t, x);
+    status = try_point(r, t, x, 1, ret);
+  }
   if (!status && *ret == OUTCOME_REJECTED && off_centre(r, &shape, x)) status = try_point(r, t, x, 0, ret);
   if (status || *ret != OUTCOME_INSERTED) return status;
   if (memcmp(old, r->tet_v + 4 * (size_t)t, sizeof old) == 0) return refine_queue_tet(r, t);
