@@ -5,7 +5,7 @@
 #include "refine/refiner.h"
 
 void tet_refine_options_default(tet_refine_options *options) {
-  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.35, .wedge = 40,
+  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.22, .wedge = 100,
                                   .crowd = 0.05, .crowd_facets = 0.3, .floor = 1e-3};
 }
 
