@@ -86,6 +86,7 @@ static refine_bad pop(refiner *r) {
 
 /* Queues tetrahedron t if it is over a bound. */
 tet_status refine_queue_tet(refiner *r, uint32_t t) {
+  if (!r->watch_tets) return TET_OK;
   refine_shape shape;
   refine_measure(r, t, &shape);
   refine_bad item = {shape.shortest2, 0, t, {0}};

@@ -16,8 +16,8 @@ void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {
   *result = (tet_refine_result){0};
 }
 
-/* All that is encroached or over a bound at the start. */
-static tet_status queue_all(refiner *r) {
+/* All that is encroached at the start. */
+static tet_status queue_encroached(refiner *r) {
   tet_status status = TET_OK;
   for (uint32_t e = 0; e < r->n_segs && !status; e++) {
     uint32_t by;
@@ -26,8 +26,15 @@ static tet_status queue_all(refiner *r) {
   }
   for (uint32_t s = 0; s < r->n_subs && !status; s++)
     if (refine_sub_encroached(r, s)) status = refine_queue_sub(r, s);
+  return status;
+}
+
+/* From here on tetrahedra over a bound are queued: those there now, and new ones. */
+static tet_status queue_bad(refiner *r) {
+  tet_status status = TET_OK;
+  r->watch_tets = 1;
   for (uint32_t t = 0; t < r->n_tets && !status; t++) {
-    status = refine_queue_tet(r, t);
+    if (refine_alive(r, t)) status = refine_queue_tet(r, t);
     if (!status && (t & 1023) == 0) status = tet_poll(r->ctx);
   }
   return status;
@@ -68,7 +75,9 @@ static tet_status drain(refiner *r) {
  * stuck is repaired when no rule applies, which may let rules apply again. */
 static tet_status run(refiner *r) {
   enum { ROUNDS = 8 };
-  tet_status status = queue_all(r);
+  tet_status status = queue_encroached(r);
+  if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */
+  if (!status) status = queue_bad(r);
   uint64_t flips = 0;
   for (int round = 0; round < ROUNDS && !status; round++) {
     status = drain(r);

@@ -138,6 +138,7 @@ typedef struct refiner {
   refine_waiting *seg_queue, *sub_queue;
   uint32_t n_seg_queue, at_seg_queue, n_sub_queue, at_sub_queue;
   size_t cap_seg_queue, cap_sub_queue;
+  int watch_tets; /* 1: R3 has begun */
   refine_bad *heap;
   uint32_t n_heap;
   size_t cap_heap;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Laws of refinement on prisms from a seed: without a sharp angle there is no
- * exception, and the mesh is boundary conforming Delaunay; with one it is an exact CDT; and twice the same. */
+ * exception, and the mesh is boundary conforming Delaunay; with one it is an exact
+ * CDT; and twice the same. */
 #include "refine/refine.h"
 #include "solids.h"
 
