@@ -319,7 +319,10 @@ def test_exceptions_are_listed_with_their_sharp_segment(tmp_path):
 
 
 def test_progress_is_drawn_on_a_terminal_alone(tmp_path, cube):
-    master, slave = pty.openpty()
+    try:
+        master, slave = pty.openpty()
+    except OSError:
+        pytest.skip("no terminals here")
     with subprocess.Popen([TETRACTL, "mesh", cube, "-o", tmp_path / "a.node", "--max-volume", "1e-5"],
                           stderr=slave, stdout=subprocess.DEVNULL) as mesher:
         os.close(slave)
