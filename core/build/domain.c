@@ -28,6 +28,26 @@ static void flood(const tet_complex *c, const uint32_t *face_tri, uint32_t from,
   }
 }
 
+/* TET_E_OPEN; facets that repeat others are listed with them. */
+static tet_status encloses_nothing(const tet_state *st) {
+  const tet_pls *pls = st->pls;
+  const uint32_t *repeats = st->surface.repeats;
+  tet_fail(st->ctx, TET_E_OPEN, "the %u facets enclose no volume; %llu of them repeat others", pls->n_facets,
+           (unsigned long long)st->surface.n_repeated_facets);
+  for (uint32_t f = 0; f < pls->n_facets; f++) {
+    if (repeats[f] == TET_NONE) continue;
+    const uint32_t pair[2] = {f, repeats[f]};
+    tet_offence offence = {.kind = {TET_OFFENDER_FACET, TET_OFFENDER_FACET}, .index = {f, repeats[f]}};
+    for (int i = 0; i < 2; i++) offence.marker[i] = pls->facet_markers ? pls->facet_markers[pair[i]] : 0;
+    uint32_t polygon = pls->facet_start ? pls->facet_start[f] : f;
+    if (polygon < pls->n_polygons && pls->polygon_start[polygon] < pls->polygon_start[polygon + 1])
+      memcpy(offence.place, pls->points + 3 * (size_t)pls->polygon_vertices[pls->polygon_start[polygon]],
+             sizeof offence.place);
+    tet_offend(st->ctx, &offence);
+  }
+  return TET_E_OPEN;
+}
+
 tet_status tet_find_parts(tet_state *st, const uint32_t *face_tri, int keep_hull,
                           uint32_t **ret_part, uint32_t *ret_n_parts) {
   const tet_complex *c = &st->complex;
@@ -50,10 +70,7 @@ tet_status tet_find_parts(tet_state *st, const uint32_t *face_tri, int keep_hull
   tet_free(st->ctx, stack);
   if (n == 1) {
     tet_free(st->ctx, part);
-    if (st->surface.n_repeated_facets)
-      return tet_fail(st->ctx, TET_E_OPEN, "the facets enclose no volume (%llu of them are repeated)",
-                      (unsigned long long)st->surface.n_repeated_facets);
-    return tet_fail(st->ctx, TET_E_OPEN, "the %u facets enclose no volume", st->pls->n_facets);
+    return encloses_nothing(st);
   }
   for (uint32_t t = 0; t < c->n_slots; t++)
     if (tet_is_live(c, t) && !tet_is_ghost(c, t)) st->counts.outside_tetrahedra += part[t] == 0;

@@ -320,7 +320,7 @@ tet_status tet_triangulate_facets(tet_soup *s, int first_round) {
   for (w.facet = 0; w.facet < s->pls->n_facets && st == TET_OK; w.facet++) {
     s->first[w.facet] = s->n_tris;
     if (w.facet % 256 == 0) st = tet_poll(s->ctx);
-    if (st == TET_OK && !s->repeated[w.facet]) st = triangulate_facet(&w, first_round);
+    if (st == TET_OK && s->repeats[w.facet] == TET_NONE) st = triangulate_facet(&w, first_round);
   }
   s->first[s->pls->n_facets] = s->n_tris;
   free_work(s->ctx, &w);

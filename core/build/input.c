@@ -218,7 +218,7 @@ static tet_status find_repeat(tet_soup *s, repeat_work *w, uint32_t f) {
     if (w->hash[g] != h || !same_holes(s->pls, f, g)) continue;
     if ((st = sorted_sides(s, g, &w->other, &w->cap_other, &m)) != TET_OK) return st;
     if (m != n || (n > 0 && memcmp(w->mine, w->other, n * sizeof *w->mine) != 0)) continue;
-    s->repeated[f] = 1;
+    s->repeats[f] = g;
     s->n_repeated_facets++;
     return TET_OK;
   }

@@ -58,7 +58,8 @@ typedef struct tet_soup {
   double tolerance;
   uint32_t *same_as; /* [n_points] */
   uint8_t *used;     /* [n_points] */
-  uint8_t *repeated; /* [n_facets] 1: another facet is the same; it is left out */
+  uint32_t *repeats; /* [n_facets] the earlier facet that is the same, for which it is
+                        left out, or TET_NONE */
   uint32_t corner[4]; /* four vertices in no plane */
   uint64_t n_duplicates, n_repeated_facets, n_unused;
   double planarity;

@@ -61,7 +61,7 @@ static tet_status find_used(tet_soup *s) {
   const tet_pls *pls = s->pls;
   tet_status st = TET_OK;
   for (uint32_t f = 0; f < pls->n_facets; f++) {
-    if (s->repeated[f]) continue;
+    if (s->repeats[f] != TET_NONE) continue;
     for (uint32_t p = tet_first_polygon(pls, f); p < tet_first_polygon(pls, f + 1); p++)
       if ((st = add_polygon(s, f, p)) != TET_OK) return st;
   }
@@ -237,7 +237,7 @@ static void free_soup(tet_soup *s) {
   tet_ctx *ctx = s->ctx;
   tet_free(ctx, s->same_as);
   tet_free(ctx, s->used);
-  tet_free(ctx, s->repeated);
+  tet_free(ctx, s->repeats);
   tet_free(ctx, s->tri);
   tet_free(ctx, s->edge);
   tet_free(ctx, s->facet);
@@ -259,12 +259,13 @@ static tet_status start(tet_soup *s) {
   size_t n = s->pls->n_points, m = s->pls->n_facets;
   s->same_as = tet_alloc(ctx, n, sizeof *s->same_as);
   s->used = tet_calloc(ctx, n, 1);
-  s->repeated = tet_calloc(ctx, m, 1);
+  s->repeats = tet_alloc(ctx, m, sizeof *s->repeats);
   s->first = tet_calloc(ctx, m + 1, sizeof *s->first);
   s->axis = tet_calloc(ctx, m, 1);
   s->flat = tet_calloc(ctx, m, 1);
-  if (!s->same_as || !s->used || !s->repeated || !s->first || !s->axis || !s->flat)
+  if (!s->same_as || !s->used || !s->repeats || !s->first || !s->axis || !s->flat)
     return tet_ctx_error(ctx)->status;
+  memset(s->repeats, 0xff, m * sizeof *s->repeats);
   return TET_OK;
 }
 
@@ -286,6 +287,8 @@ tet_status tet_surface_build(tet_ctx *ctx, const tet_pls *pls, const tet_points 
     r.used = s.used;
     s.same_as = NULL;
     s.used = NULL;
+    r.repeats = s.repeats;
+    s.repeats = NULL;
     r.planarity = s.planarity;
     r.n_duplicates = s.n_duplicates;
     r.n_repeated_facets = s.n_repeated_facets;

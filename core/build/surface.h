@@ -57,6 +57,7 @@ typedef struct tet_surface {
   uint32_t *same_as;        /* [n_input] survivor of a merged duplicate */
   uint8_t *used;            /* [n_input] 1: vertex of the triangulation (facet, segment,
                                loose point); survivors only */
+  uint32_t *repeats;        /* [n_facets] the earlier input facet that is the same, or TET_NONE */
   double planarity;         /* largest distance of a polygon vertex from its facet's plane */
   uint64_t n_duplicates, n_repeated_facets, n_unused;
 } tet_surface;
