@@ -45,7 +45,8 @@ def test_a_worker_that_does_not_listen_is_killed(tmp_path):
             assert client.call("job.cancel", job=job)["state"] == "cancelled"
             took.append(time.monotonic() - start)
             daemon.wait_log("worker ended", signal="9")
-        assert 0.08 <= min(took) < 0.1
+        # 80 ms of the loop's own clock, which may be some milliseconds behind ours.
+        assert 0.07 <= min(took) < 0.1
         assert client.call("job.wait", job=client.submit(100))["state"] == "done"
 
 

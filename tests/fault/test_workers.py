@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Workers that die: their job ends with an error that says how, nothing else does."""
 
+import contextlib
 import os
 import random
 import resource
@@ -115,6 +116,14 @@ def idle(client, workers):
         pass
 
 
+def kill_one(daemon, chance):
+    """Kills one of the workers, unless it ended between being listed and being killed."""
+    pids = daemon.worker_pids()
+    if pids:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(chance.choice(pids), signal.SIGKILL)
+
+
 def one_round(daemon, client, chance, workers, count):
     """Submits, kills on the way, waits for every job; returns how many ended how."""
     requests, sender = pipeline(client, count)
@@ -122,9 +131,7 @@ def one_round(daemon, client, chance, workers, count):
     for i, request in enumerate(requests):
         jobs.append(client.receive(request)["job"])
         if i % 25 == 24:
-            pids = daemon.worker_pids()
-            if pids:
-                os.kill(chance.choice(pids), signal.SIGKILL)
+            kill_one(daemon, chance)
     sender.join()
     ends = {}
     for i, job in enumerate(jobs):
@@ -134,9 +141,7 @@ def one_round(daemon, client, chance, workers, count):
             what = end["error"]["data"]["name"]
         ends[what] = ends.get(what, 0) + 1
         if i % 100 == 50:
-            pids = daemon.worker_pids()
-            if pids:
-                os.kill(chance.choice(pids), signal.SIGKILL)
+            kill_one(daemon, chance)
     for job in jobs:
         client.call("job.delete", job=job)
     idle(client, workers)
