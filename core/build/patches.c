@@ -15,6 +15,7 @@ typedef struct soup_edge {
   uint32_t first;   /* handle 3t+j of a triangle on it, or TET_NONE; the others follow */
   uint32_t n;       /* triangles on it */
   uint32_t segment; /* lowest row of pls->segments on it, or TET_NONE */
+  uint32_t facet;   /* lowest facet without area that has it as a loose segment, or TET_NONE */
   uint8_t flags;    /* of all its handles */
   uint8_t declared; /* a loose piece lies here */
   uint8_t crease;
@@ -50,7 +51,8 @@ static tet_status find_edge(joiner *w, uint32_t u, uint32_t v, uint32_t *ret_row
   }
   tet_status st = tet_grow(w->s->ctx, &w->edge, &w->cap_edge, (size_t)w->n_edges + 1, sizeof *w->edge);
   if (st != TET_OK) return st;
-  w->edge[w->n_edges] = (soup_edge){.a = a, .b = b, .first = TET_NONE, .segment = TET_NONE, .number = TET_NONE};
+  w->edge[w->n_edges] = (soup_edge){
+      .a = a, .b = b, .first = TET_NONE, .segment = TET_NONE, .facet = TET_NONE, .number = TET_NONE};
   *ret_row = w->table[i] = w->n_edges++;
   return TET_OK;
 }
@@ -74,6 +76,8 @@ static tet_status collect_edges(joiner *w) {
     soup_edge *e = &w->edge[row];
     e->declared = 1;
     if (s->piece[p].segment < e->segment) e->segment = s->piece[p].segment;
+    uint32_t f = s->piece[p].facet;
+    if (f < e->facet && s->first[f] == s->first[f + 1]) e->facet = f;
   }
   return TET_OK;
 }
@@ -104,6 +108,14 @@ static int classify(const joiner *w, soup_edge *e) {
   return !e->merge;
 }
 
+/* A loose segment has its own marker; one that is a whole facet of a file format
+ * without loose segments has that facet's. */
+static int32_t segment_marker(const joiner *w, const soup_edge *e) {
+  const tet_pls *pls = w->s->pls;
+  if (e->segment != TET_NONE) return pls->segment_markers ? pls->segment_markers[e->segment] : 0;
+  return e->facet != TET_NONE ? tet_facet_marker(pls, e->facet) : 0;
+}
+
 static tet_status make_segments(joiner *w) {
   tet_surface *r = w->r;
   tet_ctx *ctx = w->s->ctx;
@@ -125,10 +137,9 @@ static tet_status make_segments(joiner *w) {
   for (uint32_t i = 0; i < w->n_edges; i++) {
     const soup_edge *e = &w->edge[i];
     if (e->number == TET_NONE) continue;
-    const int32_t *markers = w->s->pls->segment_markers;
     r->segment[e->number] = (tet_segment){.a = e->a,
                                           .b = e->b,
-                                          .marker = e->segment != TET_NONE && markers ? markers[e->segment] : 0,
+                                          .marker = segment_marker(w, e),
                                           .crease = e->crease,
                                           .loose = !e->crease && !(e->flags & TET_EDGE_BORDER)};
     r->subseg[2 * (size_t)e->number] = e->a;

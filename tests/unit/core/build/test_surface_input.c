@@ -155,6 +155,22 @@ static void points_and_segments_alone(void **state) {
   }
 }
 
+/* A facet that is one 2-vertex polygon: a file format's way to say loose segment. */
+static void segment_as_facet(void **state) {
+  fixture *f = *state;
+  uint32_t ends[2] = {pls_point(f->b, 0.3, 0.3, 0.3), pls_point(f->b, 0.7, 0.6, 0.5)}, found = 0;
+  pls_facet(f->b, 77);
+  pls_polygon(f->b, 2, ends);
+  assert_int_equal(pls_surface(f->b, f->ctx, &f->s), TET_OK);
+  for (uint32_t i = 0; i < f->s.n_segments; i++) {
+    if (f->s.segment[i].a != ends[0]) continue;
+    assert_int_equal(f->s.segment[i].marker, 77);
+    assert_int_equal(f->s.segment[i].loose, 1);
+    found++;
+  }
+  assert_int_equal(found, 1);
+}
+
 static void memory_budget(void **state) {
   fixture *f = *state;
   for (uint64_t budget = 64; budget < 8192; budget = budget * 5 / 4 + 8) {
@@ -187,6 +203,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(unused_vertices, setup, teardown),
       cmocka_unit_test_setup_teardown(repeated_facets, setup, teardown),
       cmocka_unit_test_setup_teardown(points_and_segments_alone, setup, teardown),
+      cmocka_unit_test_setup_teardown(segment_as_facet, setup, teardown),
       cmocka_unit_test_setup_teardown(memory_budget, setup, teardown),
       cmocka_unit_test_setup_teardown(cancelled, setup, teardown),
   };
