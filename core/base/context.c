@@ -150,6 +150,12 @@ tet_status tet_grow(tet_ctx *ctx, void *array, size_t *capacity, size_t need, si
   return status;
 }
 
+tet_status tet_push(tet_ctx *ctx, uint32_t **array, size_t *n, size_t *capacity, uint32_t value) {
+  tet_status status = tet_grow(ctx, array, capacity, *n + 1, sizeof **array);
+  if (status == TET_OK) (*array)[(*n)++] = value;
+  return status;
+}
+
 void tet_shrink(tet_ctx *ctx, void *array, size_t *capacity, size_t count, size_t size) {
   if (count >= *capacity) return;
   if (resize(ctx, array, count, size) == TET_OK) *capacity = count;

@@ -25,6 +25,9 @@ void tet_free(tet_ctx *ctx, void *block);
  * walkable) and TET_E_MEMORY or TET_E_TOO_LARGE is recorded and returned. */
 tet_status tet_grow(tet_ctx *ctx, void *array, size_t *capacity, size_t need, size_t size);
 
+/* Appends `value` to an array of `*n` numbers, growing it as tet_grow does. */
+tet_status tet_push(tet_ctx *ctx, uint32_t **array, size_t *n, size_t *capacity, uint32_t value);
+
 /* Gives memory above `count` items back; *array may move. Cannot fail. */
 void tet_shrink(tet_ctx *ctx, void *array, size_t *capacity, size_t count, size_t size);
 

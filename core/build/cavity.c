@@ -15,12 +15,6 @@
 #include "build/delaunay.h"
 #include "build/wrap.h"
 
-static tet_status push(tet_ctx *ctx, uint32_t **array, size_t *n, size_t *cap, uint32_t value) {
-  tet_status status = tet_grow(ctx, array, cap, *n + 1, sizeof **array);
-  if (status == TET_OK) (*array)[(*n)++] = value;
-  return status;
-}
-
 /* Room for the faces of all slots; new entries are TET_NONE. */
 static tet_status cover_slots(tet_cavity *c) {
   size_t from = c->cap_face_tri;
@@ -53,7 +47,7 @@ void tet_cavity_free(tet_cavity *c) {
 static tet_status add_vertex(tet_cavity *c, uint32_t v) {
   if (c->has_vertex[v]) return TET_OK;
   c->has_vertex[v] = 1;
-  return push(c->st->ctx, &c->vertex, &c->n_vertex, &c->cap_vertex, v);
+  return tet_push(c->st->ctx, &c->vertex, &c->n_vertex, &c->cap_vertex, v);
 }
 
 /* The vertices of the cavity on one side: those of Omega and those of the crossed
@@ -110,7 +104,7 @@ static tet_status enter(tet_cavity *c, uint32_t local) {
   if (c->image[local] != TET_NONE) return TET_OK;
   if (tet_is_ghost(&c->local, local)) return tet_internal(c->st->ctx, "a cavity leaks");
   c->image[local] = 0;
-  return push(c->st->ctx, &c->inside, &c->n_inside, &c->cap_inside, local);
+  return tet_push(c->st->ctx, &c->inside, &c->n_inside, &c->cap_inside, local);
 }
 
 static void block(tet_cavity *c, uint32_t l) {

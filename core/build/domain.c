@@ -92,10 +92,9 @@ static int holds(const tet_pieces *p, uint32_t t, const double *x, int *ret_face
     }
     if (x[j] < lo || x[j] > hi) return 0;
   }
-  static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   *ret_faces = 0;
   for (int i = 0; i < 4; i++) {
-    int side = tet_orient3d_xyz(v[face[i][0]], v[face[i][1]], v[face[i][2]], x);
+    int side = tet_orient3d_xyz(v[tet_face[i][0]], v[tet_face[i][1]], v[tet_face[i][2]], x);
     if (side > 0) return 0;
     if (side == 0) *ret_faces |= 1 << i;
   }

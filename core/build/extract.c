@@ -51,7 +51,6 @@ tet_status tet_extract_tetrahedra(tet_state *st, const uint32_t *face_tri, const
 /* One subface for each triangle at a face; both sides of the face count once. */
 static tet_status collect_subfaces(tet_state *st, const uint32_t *tri, tet_pieces *p) {
   const tet_surface *s = &st->surface;
-  static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   size_t n = 0;
   for (size_t h = 0; h < 4 * (size_t)p->n_tets; h++)
     n += tri[h] != TET_NONE && (p->adj[h] == TET_NONE || h < p->adj[h]);
@@ -60,7 +59,7 @@ static tet_status collect_subfaces(tet_state *st, const uint32_t *tri, tet_piece
   if (!p->subface || !p->subface_facet) return tet_ctx_error(st->ctx)->status;
   for (size_t h = 0; h < 4 * (size_t)p->n_tets; h++) {
     if (tri[h] == TET_NONE || (p->adj[h] != TET_NONE && h > p->adj[h])) continue;
-    for (size_t j = 0; j < 3; j++) p->subface[3 * (size_t)p->n_subfaces + j] = p->tets[(h & ~(size_t)3) + face[h & 3][j]];
+    for (size_t j = 0; j < 3; j++) p->subface[3 * (size_t)p->n_subfaces + j] = p->tets[(h & ~(size_t)3) + tet_face[h & 3][j]];
     p->subface_facet[p->n_subfaces++] = s->patch[s->tri_patch[tri[h]]].facet;
   }
   return TET_OK;

@@ -27,12 +27,6 @@ typedef struct facet_recovery {
 
 enum { UNKNOWN = 2 };
 
-static tet_status push(tet_ctx *ctx, uint32_t **array, size_t *n, size_t *cap, uint32_t value) {
-  tet_status status = tet_grow(ctx, array, cap, *n + 1, sizeof **array);
-  if (status == TET_OK) (*array)[(*n)++] = value;
-  return status;
-}
-
 static const uint32_t *corners(const facet_recovery *r, uint32_t tri) {
   return r->st->surface.tri + 3 * (size_t)tri;
 }
@@ -53,7 +47,7 @@ static tet_status form_region(facet_recovery *r, uint32_t tri) {
   const tet_surface *s = &r->st->surface;
   tet_cavity *c = &r->cavity;
   c->n_omega = 0;
-  tet_status status = push(r->ctx, &c->omega, &c->n_omega, &c->cap_omega, tri);
+  tet_status status = tet_push(r->ctx, &c->omega, &c->n_omega, &c->cap_omega, tri);
   if (status == TET_OK) r->in_region[tri] = 1;
   for (size_t k = 0; k < c->n_omega && status == TET_OK; k++)
     for (uint32_t j = 0; j < 3 && status == TET_OK; j++) {
@@ -62,7 +56,7 @@ static tet_status form_region(facet_recovery *r, uint32_t tri) {
       if (other == TET_NONE || r->in_region[other]) continue;
       status = tet_complex_find_edge(&r->st->complex, s->tri[e], s->tri[e - j + (j + 1) % 3], &t);
       if (status != TET_OK || t != TET_NONE) continue;
-      status = push(r->ctx, &c->omega, &c->n_omega, &c->cap_omega, other);
+      status = tet_push(r->ctx, &c->omega, &c->n_omega, &c->cap_omega, other);
       if (status == TET_OK) r->in_region[other] = 1;
     }
   for (size_t k = 0; k < c->n_omega; k++) r->in_region[c->omega[k]] = 0;
@@ -73,7 +67,7 @@ static tet_status form_region(facet_recovery *r, uint32_t tri) {
 static tet_status side_of(facet_recovery *r, uint32_t v, int *ret_side) {
   if (r->side[v] == UNKNOWN) {
     const uint32_t *o = corners(r, r->cavity.omega[0]);
-    tet_status status = push(r->ctx, &r->sided, &r->n_sided, &r->cap_sided, v);
+    tet_status status = tet_push(r->ctx, &r->sided, &r->n_sided, &r->cap_sided, v);
     if (status != TET_OK) return status;
     r->side[v] = (int8_t)tet_orient3d(&r->st->points, o[0], o[1], o[2], v);
   }
@@ -85,7 +79,7 @@ static tet_status add_crossed(facet_recovery *r, uint32_t t) {
   tet_complex *c = &r->st->complex;
   if (c->flag[t] & TET_FLAG_CAVITY) return TET_OK;
   c->flag[t] |= TET_FLAG_CAVITY;
-  return push(r->ctx, &r->cavity.crossed, &r->cavity.n_crossed, &r->cavity.cap_crossed, t);
+  return tet_push(r->ctx, &r->cavity.crossed, &r->cavity.n_crossed, &r->cavity.cap_crossed, t);
 }
 
 /* Turns around border edge ab of Omega for the tetrahedron that Omega, on the
@@ -169,7 +163,7 @@ static tet_status part_border(facet_recovery *r) {
       if (c->flag[c->adj[h] >> 2] & TET_FLAG_CAVITY) continue;
       int up = 0;
       for (int j = 0; j < 3; j++) up |= r->side[c->v[4 * (size_t)t + tet_face[i][j]]] > 0;
-      status = push(r->ctx, &cav->border[up], &cav->n_border[up], &cav->cap_border[up], h);
+      status = tet_push(r->ctx, &cav->border[up], &cav->n_border[up], &cav->cap_border[up], h);
     }
   }
   return status;
@@ -195,7 +189,7 @@ static tet_status recover_all(facet_recovery *r) {
   for (uint32_t tri = n; tri-- > 0 && status == TET_OK;) {
     int found;
     status = match(r, tri, &found);
-    if (status == TET_OK && !found) status = push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, tri);
+    if (status == TET_OK && !found) status = tet_push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, tri);
     if (status == TET_OK && (tri & 255) == 0) status = tet_poll(r->ctx);
   }
   size_t initial = r->n_stack;

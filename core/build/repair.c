@@ -37,8 +37,6 @@ typedef struct flip {
   uint32_t facet_tri[2];   /* their triangles, at dex and dey */
 } flip;
 
-static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 static const double *at(const repair *r, uint32_t v) { return r->p->points + 3 * (size_t)v; }
 
 static int on_patch(const repair *r, uint32_t v, uint32_t patch) {
@@ -74,9 +72,7 @@ static uint32_t place(const repair *r, uint32_t t, uint32_t a) {
 }
 
 static tet_status push(repair *r, uint32_t t) {
-  tet_status status = tet_grow(r->ctx, &r->stack, &r->cap_stack, r->n_stack + 1, sizeof *r->stack);
-  if (status == TET_OK) r->stack[r->n_stack++] = t;
-  return status;
+  return tet_push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, t);
 }
 
 static int same_face(const uint32_t *a, const uint8_t *fa, const uint32_t *b, const uint8_t *fb) {
@@ -108,7 +104,7 @@ static tet_status take_slots(repair *r, const flip *f, uint32_t *slot) {
 
 /* If face h of a tetrahedron v is dex or dey it becomes a subface. */
 static void mark_subface(repair *r, const flip *f, const uint32_t *v, uint32_t h) {
-  const uint8_t *i = face[h & 3];
+  const uint8_t *i = tet_face[h & 3];
   for (int side = 0; side < 2; side++) {
     uint32_t want[3] = {f->d, f->e, side ? f->y : f->x};
     static const uint8_t straight[3] = {0, 1, 2};
@@ -128,7 +124,7 @@ static void join_face(repair *r, const flip *f, const uint32_t *slot, uint32_t b
       uint32_t outside = before[q][1][j];
       int inner = 0;
       for (int w = 0; w < f->n_old; w++) inner |= outside != TET_NONE && outside >> 2 == f->old[w];
-      if (inner || !same_face(f->made[k], face[i], before[q][0], face[j])) continue;
+      if (inner || !same_face(f->made[k], tet_face[i], before[q][0], tet_face[j])) continue;
       p->adj[h] = outside;
       if (outside != TET_NONE) p->adj[outside] = h;
       (*r->tri)[h] = before[q][2][j];
@@ -136,7 +132,7 @@ static void join_face(repair *r, const flip *f, const uint32_t *slot, uint32_t b
     }
   for (int q = 0; q < f->n_made; q++)
     for (uint32_t j = 0; j < 4; j++)
-      if (q != k && same_face(f->made[k], face[i], f->made[q], face[j])) p->adj[h] = 4 * slot[q] + j;
+      if (q != k && same_face(f->made[k], tet_face[i], f->made[q], tet_face[j])) p->adj[h] = 4 * slot[q] + j;
   if (f->in_facet) mark_subface(r, f, f->made[k], h);
 }
 
@@ -230,7 +226,7 @@ static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, in
   const tet_pieces *p = r->p;
   uint32_t t = h >> 2, g = p->adj[h], d = p->tets[h], e = p->tets[g], v[3];
   flip f = {.old = {t, g >> 2}, .n_old = 2};
-  for (int k = 0; k < 3; k++) v[k] = p->tets[4 * (size_t)t + face[h & 3][k]];
+  for (int k = 0; k < 3; k++) v[k] = p->tets[4 * (size_t)t + tet_face[h & 3][k]];
   for (int k = 0; k < 3; k++) add(&f, d, v[k], v[(k + 1) % 3], e);
   *ret_done = all_may_be_made(r, &f);
   for (int k = 0; k < 3 && !*ret_done; k++) {

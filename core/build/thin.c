@@ -12,8 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 static void minus(const double *a, const double *b, double d[3]) {
   for (int i = 0; i < 3; i++) d[i] = a[i] - b[i];
 }
@@ -66,7 +64,7 @@ static int must_break(const tet_surface *s, const tet_points *exact, const tet_p
   if (k == TET_NONE || other == TET_NONE) return 0;
   uint32_t xy[2], n = 0, d = p->tets[4 * t + (size_t)i], e = p->tets[4 * t + (size_t)j];
   for (int c = 0; c < 3; c++) {
-    uint32_t v = p->tets[4 * t + face[i][c]];
+    uint32_t v = p->tets[4 * t + tet_face[i][c]];
     if (v != e) xy[n++] = v;
   }
   uint32_t sub = subsegment_of(s, k, xy[0], xy[1]);

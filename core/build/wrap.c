@@ -12,6 +12,7 @@
 
 #include "exact/predicates.h"
 #include "mesh/contact.h"
+#include "mesh/pieces.h"
 
 void tet_wrap_free(tet_wrap *w) {
   tet_free(w->ctx, w->front);
@@ -108,9 +109,8 @@ tet_status tet_wrap_fill(tet_wrap *w) {
     uint32_t v[4] = {f[0], f[1], f[2], apex};
     memcpy(w->made[k], v, sizeof v);
     /* seen from outside a face is positive away from the tetrahedron */
-    static const uint8_t outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
-      uint32_t o[3] = {v[outward[i][0]], v[outward[i][1]], v[outward[i][2]]};
+      uint32_t o[3] = {v[tet_face[i][0]], v[tet_face[i][1]], v[tet_face[i][2]]};
       status = close_or_open(w, k, i, o);
     }
     if (status == TET_OK && (k & 15) == 0) status = tet_poll(w->ctx);

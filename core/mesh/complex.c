@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-const uint8_t tet_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points) {
   memset(c, 0, sizeof *c);
   c->ctx = ctx;

@@ -16,8 +16,7 @@
 
 #include "base/context.h"
 #include "exact/points.h"
-
-#include <tet/mesh.h>
+#include "mesh/pieces.h"
 
 #define TET_GHOST (UINT32_MAX - 1)
 
@@ -46,9 +45,6 @@ typedef struct tet_complex {
                                        handles (inside), new tetrahedra */
   size_t n_cavity, cap_cavity, n_border, cap_border, n_made, cap_made;
 } tet_complex;
-
-/* Vertices of face i, outward for a positive tetrahedron. */
-extern const uint8_t tet_face[4][3];
 
 void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points);
 void tet_complex_free(tet_complex *c);

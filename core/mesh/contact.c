@@ -5,6 +5,7 @@
 #include "mesh/contact.h"
 
 #include "exact/predicates.h"
+#include "mesh/pieces.h"
 
 /* A coordinate whose removal keeps xyz from being flat. */
 static int axis_of(const tet_points *p, uint32_t x, uint32_t y, uint32_t z) {
@@ -83,12 +84,11 @@ static int segment_meets_triangle(const tet_points *p, uint32_t a, uint32_t b, c
 
 /* No common vertex. */
 static int disjoint(const tet_points *p, const uint32_t t[4], const uint32_t f[3]) {
-  static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   int inside = 1;
-  for (int i = 0; i < 4; i++) inside &= tet_orient3d(p, t[face[i][0]], t[face[i][1]], t[face[i][2]], f[0]) <= 0;
+  for (int i = 0; i < 4; i++) inside &= tet_orient3d(p, t[tet_face[i][0]], t[tet_face[i][1]], t[tet_face[i][2]], f[0]) <= 0;
   if (inside) return 0;
   for (int i = 0; i < 4; i++) {
-    uint32_t g[3] = {t[face[i][0]], t[face[i][1]], t[face[i][2]]};
+    uint32_t g[3] = {t[tet_face[i][0]], t[tet_face[i][1]], t[tet_face[i][2]]};
     for (int j = 0; j < 3; j++)
       if (segment_meets_triangle(p, f[j], f[(j + 1) % 3], g)) return 0;
     for (int j = i + 1; j < 4; j++)

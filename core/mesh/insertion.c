@@ -79,18 +79,12 @@ tet_status tet_complex_locate(tet_complex *c, uint32_t from, uint32_t p, uint32_
   return TET_OK;
 }
 
-static tet_status push(tet_complex *c, uint32_t **array, size_t *n, size_t *cap, uint32_t value) {
-  tet_status status = tet_grow(c->ctx, array, cap, *n + 1, sizeof **array);
-  if (status == TET_OK) (*array)[(*n)++] = value;
-  return status;
-}
-
 /* Collects the tetrahedra in conflict with p, connected to t, and the handles of
  * their border faces, which get their flag. */
 static tet_status collect_cavity(tet_complex *c, uint32_t t, uint32_t p) {
   c->n_cavity = c->n_border = 0;
   c->flag[t] |= TET_FLAG_CAVITY;
-  tet_status status = push(c, &c->cavity, &c->n_cavity, &c->cap_cavity, t);
+  tet_status status = tet_push(c->ctx, &c->cavity, &c->n_cavity, &c->cap_cavity, t);
   for (size_t k = 0; k < c->n_cavity && status == TET_OK; k++) {
     uint32_t u = c->cavity[k];
     for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
@@ -98,10 +92,10 @@ static tet_status collect_cavity(tet_complex *c, uint32_t t, uint32_t p) {
       if (c->flag[o] & TET_FLAG_CAVITY) continue;
       if (tet_complex_conflict(c, o, p)) {
         c->flag[o] |= TET_FLAG_CAVITY;
-        status = push(c, &c->cavity, &c->n_cavity, &c->cap_cavity, o);
+        status = tet_push(c->ctx, &c->cavity, &c->n_cavity, &c->cap_cavity, o);
       } else {
         c->flag[u] |= (uint8_t)(TET_FLAG_BORDER << i);
-        status = push(c, &c->border, &c->n_border, &c->cap_border, 4 * u + i);
+        status = tet_push(c->ctx, &c->border, &c->n_border, &c->cap_border, 4 * u + i);
       }
     }
   }

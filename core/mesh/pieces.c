@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/* pieces.c: frees the mesh between two stages. */
+/* pieces.c: the faces of a tetrahedron, and freeing the mesh between two stages. */
 #include "mesh/pieces.h"
 
 #include <string.h>
+
+const uint8_t tet_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 void tet_pieces_free(tet_ctx *ctx, tet_pieces *p) {
   void *all[] = {p->points,  p->origin, p->carrier,        p->tets,          p->adj,

@@ -23,6 +23,9 @@
 #include <tet/mesh.h>
 #include <tet/pls.h>
 
+/* The vertices of face i, outward for a positive tetrahedron. */
+extern const uint8_t tet_face[4][3];
+
 /* An input segment or one side of a facet, after merging: straight, between two
  * input vertices that stay. */
 typedef struct tet_segment {

@@ -143,7 +143,7 @@ static int is_boundary(const refiner *r, uint32_t h) {
  * facet or contains its segment: such a face does not see p. */
 static int sees(const refiner *r, uint32_t h) {
   const uint32_t *v = r->tet_v + 4 * (size_t)(h >> 2);
-  const uint8_t *f = refine_face[h & 3];
+  const uint8_t *f = tet_face[h & 3];
   uint32_t w[4] = {r->cavity.p, v[f[0]], v[f[1]], v[f[2]]};
   if (tet_orient3d(&r->points, w[0], w[1], w[2], w[3]) <= 0) return 0;
   return r->out->origin[w[0]] == TET_ORIGIN_VOLUME || !refine_is_flat(r, w);
@@ -189,7 +189,7 @@ static int keep_edge(refiner *r, uint32_t a, uint32_t b) {
       if (i == x || i == y) continue;
       if (is_boundary(r, 4 * t + i)) return 0;
       const uint32_t *v = r->tet_v + 4 * (size_t)t;
-      const uint8_t *f = refine_face[i];
+      const uint8_t *f = tet_face[i];
       behind = behind && tet_orient3d(&r->points, c->p, v[f[0]], v[f[1]], v[f[2]]) < 0;
     }
     if (behind) far = t;
@@ -250,7 +250,7 @@ static tet_status list_boundary(refiner *r, int *ret_ok) {
       r->tet_mark[t] |= (uint8_t)(1 << i);
       status = refine_push(r, &c->faces, 4 * t + i);
       for (int j = 0; j < 3 && !status; j++) {
-        uint32_t v = r->tet_v[4 * (size_t)t + refine_face[i][j]];
+        uint32_t v = r->tet_v[4 * (size_t)t + tet_face[i][j]];
         if (r->stamp[v] == now) continue;
         r->stamp[v] = now;
         status = refine_push(r, &c->vertices, v);

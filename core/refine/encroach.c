@@ -83,7 +83,7 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
     for (uint32_t i = 0; i < 4 && subfaces && !status; i++) {
       uint32_t s = r->tet_sub[4 * (size_t)t + i];
       if (s == TET_NONE) continue;
-      const uint8_t *f = refine_face[i];
+      const uint8_t *f = tet_face[i];
       if (refine_sub_hit_by(r, s, c->p) || tet_orient3d(&r->points, c->p, v[f[0]], v[f[1]], v[f[2]]) <= 0)
         status = push_new(r, &r->hit_subs, s);
     }

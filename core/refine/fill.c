@@ -22,7 +22,7 @@ static tet_status span_face(refiner *r, uint32_t h) {
   tet_status status = refine_new_tet(r, &n);
   if (!status) status = refine_push(r, &r->cavity.faces_new, n);
   if (status) return status;
-  const uint8_t *f = refine_face[h & 3];
+  const uint8_t *f = tet_face[h & 3];
   size_t at = 4 * (size_t)n;
   r->tet_v[at] = r->cavity.p;
   for (int j = 0; j < 3; j++) r->tet_v[at + 1 + j] = r->tet_v[4 * (size_t)t + f[j]];
@@ -52,9 +52,9 @@ static uint32_t rim_edge(const refiner *r, uint32_t s, uint32_t a, uint32_t b) {
  * k-th vertex (0 to 2): to the next boundary face, or to a wall, or TET_NONE at the
  * domain's boundary, and over at most one rim edge. 0 if the cavity is folded there. */
 static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_face, uint32_t *ret_rim) {
-  uint32_t t = h >> 2, i = h & 3, j = refine_face[i][k], apex = r->tet_v[4 * (size_t)t + i];
-  uint32_t a = r->tet_v[4 * (size_t)t + refine_face[i][(k + 1) % 3]];
-  uint32_t b = r->tet_v[4 * (size_t)t + refine_face[i][(k + 2) % 3]];
+  uint32_t t = h >> 2, i = h & 3, j = tet_face[i][k], apex = r->tet_v[4 * (size_t)t + i];
+  uint32_t a = r->tet_v[4 * (size_t)t + tet_face[i][(k + 1) % 3]];
+  uint32_t b = r->tet_v[4 * (size_t)t + tet_face[i][(k + 2) % 3]];
   *ret_face = *ret_rim = TET_NONE;
   for (;;) {
     size_t exit = 4 * (size_t)t + j;

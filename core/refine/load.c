@@ -56,7 +56,7 @@ static tet_status hang_subfaces(refiner *r) {
   for (uint32_t t = 0; t < r->n_tets && !status; t++)
     for (uint32_t f = 0; f < 4; f++) {
       uint32_t v[3], found = TET_NONE, h = 4 * t + f;
-      for (int j = 0; j < 3; j++) v[j] = r->tet_v[4 * (size_t)t + refine_face[f][j]];
+      for (int j = 0; j < 3; j++) v[j] = r->tet_v[4 * (size_t)t + tet_face[f][j]];
       if (!on[v[0]] || !on[v[1]] || !on[v[2]]) continue;
       sort3(v);
       for (uint64_t i = mix(v[0], v[1], v[2]) & mask; table[i] != TET_NONE; i = (i + 1) & mask)

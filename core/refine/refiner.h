@@ -147,7 +147,6 @@ typedef struct refiner {
 } refiner;
 
 /* Vertices of face i, outward; and of edge e; the edge between corners i and j. */
-extern const uint8_t refine_face[4][3];
 extern const uint8_t refine_edge[6][2];
 extern const uint8_t refine_edge_of[4][4];
 

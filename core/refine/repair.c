@@ -21,7 +21,7 @@ static uint32_t same_face(const refiner *r, uint32_t u, const uint32_t *v, uint3
   uint32_t found = 4;
   for (uint32_t k = 0; k < 4; k++) {
     uint32_t w = r->tet_v[4 * (size_t)u + k];
-    if (w == v[refine_face[i][0]] || w == v[refine_face[i][1]] || w == v[refine_face[i][2]]) continue;
+    if (w == v[tet_face[i][0]] || w == v[tet_face[i][1]] || w == v[tet_face[i][2]]) continue;
     if (found != 4) return 4;
     found = k;
   }
@@ -31,7 +31,7 @@ static uint32_t same_face(const refiner *r, uint32_t u, const uint32_t *v, uint3
 static int same_sub(const uint32_t *sub, const uint32_t *v, uint32_t i) {
   int n = 0;
   for (int j = 0; j < 3; j++)
-    for (int k = 0; k < 3; k++) n += v[refine_face[i][j]] == sub[k];
+    for (int k = 0; k < 3; k++) n += v[tet_face[i][j]] == sub[k];
   return n == 3;
 }
 
@@ -163,7 +163,7 @@ static int ring_of(const refiner *r, uint32_t t, uint32_t x, uint32_t y, flip *f
 static int flip_face(const refiner *r, uint32_t t, uint32_t i, flip *f) {
   const uint32_t *v = r->tet_v + 4 * (size_t)t;
   uint32_t d = v[i], u = r->tet_adj[4 * (size_t)t + i] >> 2, e = r->tet_v[r->tet_adj[4 * (size_t)t + i]];
-  uint32_t p[3] = {v[refine_face[i][0]], v[refine_face[i][1]], v[refine_face[i][2]]}, link[MOST];
+  uint32_t p[3] = {v[tet_face[i][0]], v[tet_face[i][1]], v[tet_face[i][2]]}, link[MOST];
   int side[3], all = 1;
   /* d sees the outward face p0 p1 p2 from behind: > 0 where de passes inside */
   for (int k = 0; k < 3; k++) {
@@ -203,8 +203,8 @@ static int flip_facet(const refiner *r, uint32_t t, uint32_t i, flip *f) {
   uint32_t u = r->tet_adj[4 * (size_t)t + i] >> 2, d = r->tet_v[4 * (size_t)t + i];
   uint32_t e = r->tet_v[r->tet_adj[4 * (size_t)t + i]];
   for (int k = 0; k < 3; k++) {
-    uint32_t x = r->tet_v[4 * (size_t)t + refine_face[i][k]], y = r->tet_v[4 * (size_t)t + refine_face[i][(k + 1) % 3]];
-    uint32_t z = r->tet_v[4 * (size_t)t + refine_face[i][(k + 2) % 3]];
+    uint32_t x = r->tet_v[4 * (size_t)t + tet_face[i][k]], y = r->tet_v[4 * (size_t)t + tet_face[i][(k + 1) % 3]];
+    uint32_t z = r->tet_v[4 * (size_t)t + tet_face[i][(k + 2) % 3]];
     uint32_t ft = 4 * t + refine_corner(r, t, z), fu = 4 * u + refine_corner(r, u, z);
     uint32_t s = r->tet_sub[ft], q = r->tet_sub[fu], bt = r->tet_adj[ft], bu = r->tet_adj[fu];
     if (s == TET_NONE || q == TET_NONE || r->sub_patch[s] != r->sub_patch[q] ||

@@ -91,7 +91,7 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   for (int f = 0; f < 4; f++) {
     const double *c[3];
     double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0;
-    for (int j = 0; j < 3; j++) c[j] = refine_x(r, r->tet_v[4 * (size_t)t + refine_face[f][j]]);
+    for (int j = 0; j < 3; j++) c[j] = refine_x(r, r->tet_v[4 * (size_t)t + tet_face[f][j]]);
     for (int i = 0; i < 3; i++) {
       p[i] = c[1][i] - c[0][i];
       q[i] = c[2][i] - c[0][i];
