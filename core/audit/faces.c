@@ -13,11 +13,12 @@ static void order_two(uint32_t *a, uint32_t *b, int *odd) {
   *odd ^= 1;
 }
 
+const uint8_t tet_audit_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
 int tet_face_vertices(const tet_mesh *mesh, uint32_t handle, uint32_t ret_v[3]) {
-  static const uint8_t outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   const uint32_t *v = mesh->tetrahedra + 4 * (size_t)(handle / 4);
   int odd = 0;
-  for (int k = 0; k < 3; k++) ret_v[k] = v[outward[handle % 4][k]];
+  for (int k = 0; k < 3; k++) ret_v[k] = v[tet_audit_face[handle % 4][k]];
   order_two(&ret_v[0], &ret_v[1], &odd);
   order_two(&ret_v[1], &ret_v[2], &odd);
   order_two(&ret_v[0], &ret_v[1], &odd);

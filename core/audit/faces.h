@@ -7,6 +7,9 @@
 
 #include <tet/mesh.h>
 
+/* The vertices of face i, outward for a positive tetrahedron; the audit's own table. */
+extern const uint8_t tet_audit_face[4][3];
+
 /* Handles 4t+i (face i of tetrahedron t) ordered by the face's smallest vertex,
  * then the others; the sides of one face stand together. 16 bytes a tetrahedron. */
 typedef struct tet_face_table {

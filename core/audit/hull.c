@@ -2,15 +2,15 @@
 /* hull.c: convexity, edge by edge: no boundary face may see the apex of the next. */
 #include "audit/hull.h"
 
+#include "audit/faces.h"
 #include "base/sort.h"
 #include "exact/predicates.h"
 
 /* The vertices of boundary face `handle`, outward, from vertex `first` on. */
 static void corners(const tet_mesh *mesh, uint32_t handle, uint32_t first, const double *ret_x[3], uint32_t ret_v[3]) {
-  static const uint8_t outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   const uint32_t *v = mesh->tetrahedra + 4 * (size_t)(handle / 4);
   for (uint32_t k = 0; k < 3; k++) {
-    ret_v[k] = v[outward[handle % 4][(first + k) % 3]];
+    ret_v[k] = v[tet_audit_face[handle % 4][(first + k) % 3]];
     ret_x[k] = mesh->points + 3 * (size_t)ret_v[k];
   }
 }

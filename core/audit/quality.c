@@ -3,20 +3,10 @@
  * of every tetrahedron, and their histograms. */
 #include "audit/quality.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 #include <string.h>
-
-static void subtract(const double a[3], const double b[3], double ret[3]) {
-  for (int k = 0; k < 3; k++) ret[k] = a[k] - b[k];
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double a[3], const double b[3], double ret[3]) {
-  ret[0] = a[1] * b[2] - a[2] * b[1];
-  ret[1] = a[2] * b[0] - a[0] * b[2];
-  ret[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
   const double *p[4];
@@ -26,32 +16,32 @@ tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
   for (int i = 0; i < 4; i++)
     for (int j = i + 1; j < 4; j++) {
       double e[3];
-      subtract(p[j], p[i], e);
-      double l = dot(e, e);
+      tet_minus(p[j], p[i], e);
+      double l = tet_dot(e, e);
       if (l < shortest) shortest = l;
       if (l > longest) longest = l;
     }
-  for (int k = 0; k < 3; k++) subtract(p[k + 1], p[0], u[k]);
-  cross(u[2], u[1], n[1]); /* n[i]: normal of face i, all outward, of twice its area */
-  cross(u[0], u[2], n[2]);
-  cross(u[1], u[0], n[3]);
+  for (int k = 0; k < 3; k++) tet_minus(p[k + 1], p[0], u[k]);
+  tet_cross(u[2], u[1], n[1]); /* n[i]: normal of face i, all outward, of twice its area */
+  tet_cross(u[0], u[2], n[2]);
+  tet_cross(u[1], u[0], n[3]);
   for (int k = 0; k < 3; k++) n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
-  double det = -dot(n[3], u[2]), largest = 0;
+  double det = -tet_dot(n[3], u[2]), largest = 0;
   for (int i = 0; i < 4; i++) {
-    area2[i] = dot(n[i], n[i]);
+    area2[i] = tet_dot(n[i], n[i]);
     if (area2[i] > largest) largest = area2[i];
   }
   double centre[3]; /* from p[0], times 2 det */
   for (int k = 0; k < 3; k++)
-    centre[k] = -(dot(u[0], u[0]) * n[1][k] + dot(u[1], u[1]) * n[2][k] + dot(u[2], u[2]) * n[3][k]);
+    centre[k] = -(tet_dot(u[0], u[0]) * n[1][k] + tet_dot(u[1], u[1]) * n[2][k] + tet_dot(u[2], u[2]) * n[3][k]);
   tet_shape s = {.volume = det / 6, .radius_edge = INFINITY, .aspect = INFINITY, .cos_smallest = -1, .cos_largest = 1};
   if (det != 0) {
-    s.radius_edge = sqrt(dot(centre, centre)) / (2 * fabs(det)) / sqrt(shortest);
+    s.radius_edge = sqrt(tet_dot(centre, centre)) / (2 * fabs(det)) / sqrt(shortest);
     s.aspect = sqrt(longest) * sqrt(largest) / fabs(det);
   }
   for (int i = 0; i < 4; i++)
     for (int j = i + 1; j < 4; j++) {
-      double c = -dot(n[i], n[j]) / (sqrt(area2[i]) * sqrt(area2[j]));
+      double c = -tet_dot(n[i], n[j]) / (sqrt(area2[i]) * sqrt(area2[j]));
       if (c > s.cos_smallest) s.cos_smallest = c;
       if (c < s.cos_largest) s.cos_largest = c;
     }

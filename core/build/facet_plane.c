@@ -5,18 +5,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vector.h"
 #include "build/facet_work.h"
 #include "exact/predicates.h"
 
 static double largest(const double v[3]) { return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2]))); }
-
-static void cross(const double u[3], const double v[3], double n[3]) {
-  n[0] = u[1] * v[2] - u[2] * v[1];
-  n[1] = u[2] * v[0] - u[0] * v[2];
-  n[2] = u[0] * v[1] - u[1] * v[0];
-}
-
-static double dot(const double u[3], const double v[3]) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
 /* (b - a) / scale */
 static void difference(const tet_soup *s, uint32_t a, uint32_t b, double scale, double d[3]) {
@@ -36,7 +29,7 @@ void tet_soup_normal(const tet_soup *s, uint32_t a, uint32_t b, uint32_t c, doub
     u[k] /= scale;
     v[k] /= scale;
   }
-  cross(u, v, ret_n);
+  tet_cross(u, v, ret_n);
 }
 
 /* Axes by falling |n|. */
@@ -70,7 +63,7 @@ uint32_t tet_corner_off(const tet_soup *s, uint32_t a, uint32_t b, uint32_t c) {
   tet_soup_normal(s, a, b, c, n);
   for (int k = 0; k < 4; k++) {
     difference(s, a, s->corner[k], soup_scale(s), d);
-    double height = fabs(dot(n, d));
+    double height = fabs(tet_dot(n, d));
     if (height > best && tet_orient3d(s->points, a, b, c, s->corner[k]) != 0) {
       best = height;
       off = s->corner[k];
@@ -87,17 +80,17 @@ static uint32_t farthest(const tet_soup *s, int known) {
   if (known > 1) difference(s, s->corner[0], s->corner[1], scale, u);
   if (known > 2) {
     difference(s, s->corner[0], s->corner[2], scale, v);
-    cross(u, v, n);
+    tet_cross(u, v, n);
   }
   for (uint32_t w = 0; w < s->points->n; w++) {
     if (!s->used[w]) continue;
     difference(s, s->corner[0], w, scale, d);
-    double measure = dot(d, d);
+    double measure = tet_dot(d, d);
     if (known == 2) {
-      cross(u, d, v);
-      measure = dot(v, v);
+      tet_cross(u, d, v);
+      measure = tet_dot(v, v);
     } else if (known == 3) {
-      measure = fabs(dot(n, d));
+      measure = fabs(tet_dot(n, d));
     }
     if (measure > best) {
       best = measure;
@@ -143,7 +136,7 @@ static void newell(const tet_facet_work *w, uint32_t l, double n[3]) {
   for (uint32_t i = 1; i + 1 < m; i++) {
     difference(w->s, v[0], v[i], scale, p);
     difference(w->s, v[0], v[i + 1], scale, q);
-    cross(p, q, c);
+    tet_cross(p, q, c);
     for (int k = 0; k < 3; k++) n[k] += c[k];
   }
 }
@@ -155,7 +148,7 @@ static uint32_t largest_loop(const tet_facet_work *w, double ret_n[3]) {
   for (uint32_t l = 0; l < w->n_loops; l++) {
     if (w->loop_start[l + 1] - w->loop_start[l] < 3) continue;
     newell(w, l, n);
-    double area = dot(n, n);
+    double area = tet_dot(n, n);
     if (area <= most) continue;
     most = area;
     best = l;
@@ -171,8 +164,8 @@ static int spanning_triangle(const tet_facet_work *w, uint32_t n_own, uint32_t t
   t[0] = t[1] = w->global[0];
   for (uint32_t i = 1; i < n_own; i++) {
     difference(w->s, t[0], w->global[i], scale, d);
-    if (dot(d, d) <= best && t[1] != t[0]) continue;
-    best = dot(d, d);
+    if (tet_dot(d, d) <= best && t[1] != t[0]) continue;
+    best = tet_dot(d, d);
     t[1] = w->global[i];
   }
   if (t[1] == t[0]) return 0;
@@ -181,9 +174,9 @@ static int spanning_triangle(const tet_facet_work *w, uint32_t n_own, uint32_t t
   best = 0;
   for (uint32_t i = 1; i < n_own; i++) {
     difference(w->s, t[0], w->global[i], scale, d);
-    cross(u, d, c);
-    if (dot(c, c) <= best) continue;
-    best = dot(c, c);
+    tet_cross(u, d, c);
+    if (tet_dot(c, c) <= best) continue;
+    best = tet_dot(c, c);
     t[2] = w->global[i];
   }
   if (t[2] != TET_NONE && !tet_collinear(w->s->points, t[0], t[1], t[2])) return 1;
@@ -197,15 +190,15 @@ static int spanning_triangle(const tet_facet_work *w, uint32_t n_own, uint32_t t
 /* Largest distance of the facet's own vertices from the plane with normal n through
  * their mean. */
 static double measure_deviation(const tet_facet_work *w, uint32_t n_own, const double n[3]) {
-  double scale = w->scale, mean = 0, most = 0, d[3], length = sqrt(dot(n, n));
+  double scale = w->scale, mean = 0, most = 0, d[3], length = sqrt(tet_dot(n, n));
   if (length == 0) return INFINITY;
   for (uint32_t i = 0; i < n_own; i++) {
     difference(w->s, w->global[0], w->global[i], scale, d);
-    mean += dot(n, d) / length / (double)n_own;
+    mean += tet_dot(n, d) / length / (double)n_own;
   }
   for (uint32_t i = 0; i < n_own; i++) {
     difference(w->s, w->global[0], w->global[i], scale, d);
-    most = fmax(most, fabs(dot(n, d) / length - mean));
+    most = fmax(most, fabs(tet_dot(n, d) / length - mean));
   }
   return most * scale;
 }

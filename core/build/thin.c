@@ -12,28 +12,20 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void minus(const double *a, const double *b, double d[3]) {
-  for (int i = 0; i < 3; i++) d[i] = a[i] - b[i];
-}
-
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double *a, const double *b, double c[3]) {
-  for (int i = 0; i < 3; i++) c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
+#include "base/vector.h"
 
 /* The distance between lines xy and de, and where on xy they are nearest. */
 static double gap(const double *x, const double *y, const double *d, const double *e, double *ret_s) {
   double u[3], v[3], w[3], n[3];
-  minus(y, x, u);
-  minus(e, d, v);
-  minus(d, x, w);
-  cross(u, v, n);
-  double nn = dot(n, n), wv[3];
+  tet_minus(y, x, u);
+  tet_minus(e, d, v);
+  tet_minus(d, x, w);
+  tet_cross(u, v, n);
+  double nn = tet_dot(n, n), wv[3];
   if (!(nn > 0)) return INFINITY;
-  cross(w, v, wv);
-  *ret_s = dot(wv, n) / nn;
-  return fabs(dot(w, n)) / sqrt(nn);
+  tet_cross(w, v, wv);
+  *ret_s = tet_dot(wv, n) / nn;
+  return fabs(tet_dot(w, n)) / sqrt(nn);
 }
 
 /* The place of vertex v on segment g. */

@@ -4,25 +4,17 @@
  * domain. In doubles: what is sharp steers points, and decides no sign. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <math.h>
-
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void minus(const double *a, const double *b, double d[3]) {
-  for (int i = 0; i < 3; i++) d[i] = a[i] - b[i];
-}
-
-static void cross(const double *a, const double *b, double c[3]) {
-  for (int i = 0; i < 3; i++) c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
 
 /* 1 if the angle at v between segments f and g is below 60 degrees. */
 static int below_60(const refiner *r, uint32_t v, const tet_segment *f, const tet_segment *g) {
   double p[3], q[3];
-  minus(refine_x(r, f->a == v ? f->b : f->a), refine_x(r, v), p);
-  minus(refine_x(r, g->a == v ? g->b : g->a), refine_x(r, v), q);
-  double c = dot(p, q);
-  return c > 0 && c * c > 0.25 * (1 + 1e-12) * dot(p, p) * dot(q, q);
+  tet_minus(refine_x(r, f->a == v ? f->b : f->a), refine_x(r, v), p);
+  tet_minus(refine_x(r, g->a == v ? g->b : g->a), refine_x(r, v), q);
+  double c = tet_dot(p, q);
+  return c > 0 && c * c > 0.25 * (1 + 1e-12) * tet_dot(p, p) * tet_dot(q, q);
 }
 
 static tet_status plane_angles(refiner *r) {
@@ -63,9 +55,9 @@ static tet_status plane_angles(refiner *r) {
  * between such vectors count. */
 static void arm(const refiner *r, uint32_t a, uint32_t b, uint32_t x, double w[3]) {
   double e[3], d[3];
-  minus(refine_x(r, b), refine_x(r, a), e);
-  minus(refine_x(r, x), refine_x(r, a), d);
-  cross(e, d, w);
+  tet_minus(refine_x(r, b), refine_x(r, a), e);
+  tet_minus(refine_x(r, x), refine_x(r, a), d);
+  tet_cross(e, d, w);
 }
 
 /* 1 if the fan of tetrahedra from face h around ab to the next subface spans a
@@ -73,7 +65,7 @@ static void arm(const refiner *r, uint32_t a, uint32_t b, uint32_t x, double w[3
 static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
   double e[3], first[3], second[3], last[3], n[3];
   uint32_t x = TET_NONE, steps = 0;
-  minus(refine_x(r, b), refine_x(r, a), e);
+  tet_minus(refine_x(r, b), refine_x(r, a), e);
   for (;; steps++) {
     uint32_t t = h >> 2, i = h & 3, j = 0;
     for (uint32_t k = 0; k < 4; k++)
@@ -86,13 +78,13 @@ static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
     h = r->tet_adj[exit];
   }
   arm(r, a, b, x, last);
-  double c = dot(first, last);
-  if (!(c > 0 && 8 * c * c > (1 + 1e-12) * dot(first, first) * dot(last, last))) return 0;
+  double c = tet_dot(first, last);
+  if (!(c > 0 && 8 * c * c > (1 + 1e-12) * tet_dot(first, first) * tet_dot(last, last))) return 0;
   if (!steps) return 1;
-  cross(first, second, n); /* the sense of the fan */
-  double sense = dot(n, e);
-  cross(first, last, n);
-  return sense * dot(n, e) > 0;
+  tet_cross(first, second, n); /* the sense of the fan */
+  double sense = tet_dot(n, e);
+  tet_cross(first, last, n);
+  return sense * tet_dot(n, e) > 0;
 }
 
 static void dihedral_angles(refiner *r) {

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/* vector.h: three-dimensional vectors in doubles, for what decides no sign. */
+#ifndef TET_BASE_VECTOR_H
+#define TET_BASE_VECTOR_H
+
+/* d = a - b */
+static inline void tet_minus(const double a[3], const double b[3], double d[3]) {
+  for (int i = 0; i < 3; i++) d[i] = a[i] - b[i];
+}
+
+static inline double tet_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* c = a x b; c is neither a nor b */
+static inline void tet_cross(const double a[3], const double b[3], double c[3]) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+#endif
