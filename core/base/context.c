@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/* context.c: accounted memory, cancellation, deadline, errors and progress.
- *
- * Every block carries its size in a header, so that the budget counts capacity
- * and not use, and freeing needs no size. No globals, no printing. */
+/* context.c: the budget, cancellation, deadline, errors and progress. The blocks that the
+ * budget is for are in memory.c. No globals, no printing. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/context.h"
+#include "base/memory.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -29,12 +28,6 @@ struct tet_ctx {
   uint32_t polls;
   tet_error error;
 };
-
-/* Keeps blocks aligned for any type. */
-typedef union block_head {
-  size_t bytes;
-  max_align_t align;
-} block_head;
 
 static double clock_seconds(clockid_t id) {
   struct timespec t;
@@ -74,91 +67,18 @@ uint64_t tet_vertex_limit(const tet_ctx *ctx) {
   return given && given < most ? given : most;
 }
 
-/* 1 if `more` bytes fit the budget. */
-static int fits(const tet_ctx *ctx, size_t more) {
+int tet_fits(const tet_ctx *ctx, size_t more) {
   return !ctx->limits.memory_bytes || ctx->bytes + more <= ctx->limits.memory_bytes;
 }
 
-static void account(tet_ctx *ctx, size_t more) {
-  ctx->bytes += more;
-  if (ctx->bytes > ctx->peak) ctx->peak = ctx->bytes;
-}
-
-static tet_status out_of_memory(tet_ctx *ctx, size_t bytes) {
-  if (!fits(ctx, bytes))
-    return tet_fail(ctx, TET_E_MEMORY, "%zu more bytes do not fit the memory budget of %llu bytes", bytes,
+tet_status tet_account(tet_ctx *ctx, size_t before, size_t after) {
+  if (after > before && !tet_fits(ctx, after - before))
+    return tet_fail(ctx, TET_E_MEMORY, "%zu more bytes do not fit the memory budget of %llu bytes", after - before,
                     (unsigned long long)ctx->limits.memory_bytes);
-  return tet_fail(ctx, TET_E_MEMORY, "the system has no %zu bytes of memory left", bytes);
-}
-
-void *tet_alloc(tet_ctx *ctx, size_t count, size_t size) {
-  size_t bytes;
-  if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2) {
-    tet_fail(ctx, TET_E_TOO_LARGE, "an array of %zu items of %zu bytes", count, size);
-    return NULL;
-  }
-  bytes += sizeof(block_head);
-  block_head *head = fits(ctx, bytes) ? malloc(bytes) : NULL;
-  if (!head) {
-    out_of_memory(ctx, bytes);
-    return NULL;
-  }
-  head->bytes = bytes;
-  account(ctx, bytes);
-  return head + 1;
-}
-
-void *tet_calloc(tet_ctx *ctx, size_t count, size_t size) {
-  void *block = tet_alloc(ctx, count, size);
-  if (block) memset(block, 0, count * size);
-  return block;
-}
-
-void tet_free(tet_ctx *ctx, void *block) {
-  if (!block) return;
-  block_head *head = (block_head *)block - 1;
-  ctx->bytes -= head->bytes;
-  free(head);
-}
-
-/* realloc under the budget; `array` is a pointer to the array pointer. */
-static tet_status resize(tet_ctx *ctx, void *array, size_t items, size_t size) {
-  void *old;
-  memcpy(&old, array, sizeof old);
-  block_head *head = old ? (block_head *)old - 1 : NULL;
-  size_t before = head ? head->bytes : 0;
-  size_t bytes = items * size + sizeof(block_head);
-  size_t more = bytes > before ? bytes - before : 0;
-  block_head *moved = fits(ctx, more) ? realloc(head, bytes) : NULL;
-  if (!moved) return out_of_memory(ctx, more);
-  moved->bytes = bytes;
+  ctx->bytes += after;
   ctx->bytes -= before;
-  account(ctx, bytes);
-  void *block = moved + 1;
-  memcpy(array, &block, sizeof block);
+  if (ctx->bytes > ctx->peak) ctx->peak = ctx->bytes;
   return TET_OK;
-}
-
-tet_status tet_grow(tet_ctx *ctx, void *array, size_t *capacity, size_t need, size_t size) {
-  if (need <= *capacity) return TET_OK;
-  size_t items = *capacity + *capacity / 2 + 16;
-  if (items < need) items = need;
-  if (items > SIZE_MAX / 2 / size) return tet_fail(ctx, TET_E_TOO_LARGE, "an array of %zu items", items);
-  if (items > need && !fits(ctx, items * size)) items = need;
-  tet_status status = resize(ctx, array, items, size);
-  if (status == TET_OK) *capacity = items;
-  return status;
-}
-
-tet_status tet_push(tet_ctx *ctx, uint32_t **array, size_t *n, size_t *capacity, uint32_t value) {
-  tet_status status = tet_grow(ctx, array, capacity, *n + 1, sizeof **array);
-  if (status == TET_OK) (*array)[(*n)++] = value;
-  return status;
-}
-
-void tet_shrink(tet_ctx *ctx, void *array, size_t *capacity, size_t count, size_t size) {
-  if (count >= *capacity) return;
-  if (resize(ctx, array, count, size) == TET_OK) *capacity = count;
 }
 
 tet_status tet_poll(tet_ctx *ctx) {

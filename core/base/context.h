@@ -20,8 +20,8 @@ void *tet_calloc(tet_ctx *ctx, size_t count, size_t size);
 /* Frees what tet_alloc, tet_calloc or tet_grow gave; NULL is fine. */
 void tet_free(tet_ctx *ctx, void *block);
 
-/* Makes *array hold at least `need` items of `size` bytes, growing by half and
- * more; *capacity counts items. On failure nothing changes (the array stays
+/* Makes *array hold at least `need` items of `size` bytes, growing by half and more, or
+ * where it is large by a thirty-second part; *capacity counts items. On failure nothing changes (the array stays
  * walkable) and TET_E_MEMORY or TET_E_TOO_LARGE is recorded and returned. */
 tet_status tet_grow(tet_ctx *ctx, void *array, size_t *capacity, size_t need, size_t size);
 

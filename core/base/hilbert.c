@@ -3,51 +3,83 @@
  * "Programming the Hilbert curve" (2004). */
 #include "base/hilbert.h"
 
-enum { BITS = 21 };
+#include <stddef.h>
 
-tet_hilbert_box tet_hilbert_bound(const double *points, uint32_t n) {
+enum { BITS = 21, LANES = 16 };
+
+tet_hilbert_box tet_hilbert_bound(const double *points, const uint32_t *ids, uint32_t n) {
+  double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, side = 0;
   tet_hilbert_box box = {{0, 0, 0}, 0};
-  double side = 0;
-  for (int k = 0; n && k < 3; k++) {
-    double low = points[k], high = low;
-    for (const double *p = points + k, *end = p + 3 * (uint64_t)n; p < end; p += 3) {
-      if (*p < low) low = *p;
-      if (*p > high) high = *p;
+  for (uint32_t i = 0; i < n; i++) {
+    const double *p = points + 3 * (size_t)(ids ? ids[i] : i);
+    for (int k = 0; k < 3; k++) {
+      if (i == 0 || p[k] < low[k]) low[k] = p[k];
+      if (i == 0 || p[k] > high[k]) high[k] = p[k];
     }
-    box.low[k] = low;
-    if (high - low > side) side = high - low;
+  }
+  for (int k = 0; k < 3; k++) {
+    box.low[k] = low[k];
+    if (high[k] - low[k] > side) side = high[k] - low[k];
   }
   if (side > 0) box.scale = (double)(1 << BITS) / side;
   return box;
 }
 
-uint64_t tet_hilbert_key(const tet_hilbert_box *box, const double p[3]) {
+static uint32_t cell(const tet_hilbert_box *box, const double p[3], int k) {
   const double most = (double)((1 << BITS) - 1);
-  uint32_t x[3];
-  for (int k = 0; k < 3; k++) {
-    double cell = (p[k] - box->low[k]) * box->scale;
-    x[k] = cell > 0 ? cell < most ? (uint32_t)cell : (uint32_t)most : 0;
-  }
+  double at = (p[k] - box->low[k]) * box->scale;
+  return at > 0 ? at < most ? (uint32_t)at : (uint32_t)most : 0;
+}
+
+/* A word's 21 lowest bits, three apart. */
+static uint64_t spread(uint32_t word) {
+  uint64_t x = word;
+  x = (x | x << 32) & UINT64_C(0x1f00000000ffff);
+  x = (x | x << 16) & UINT64_C(0x1f0000ff0000ff);
+  x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
+  x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
+  return (x | x << 2) & UINT64_C(0x1249249249249249);
+}
+
+/* From cells to the transposed index, for LANES points at once and without branches, so that the
+ * compiler can put them side by side. */
+static void transpose(uint32_t x[3][LANES]) {
   /* Undo the curve's turns from the largest cube down. */
-  for (uint32_t q = 1u << (BITS - 1); q > 1; q >>= 1) {
-    for (int k = 0; k < 3; k++) {
-      if (x[k] & q) {
-        x[0] ^= q - 1;
-      } else {
-        uint32_t t = (x[0] ^ x[k]) & (q - 1);
-        x[0] ^= t;
-        x[k] ^= t;
+  for (int bit = BITS - 1; bit > 0; bit--) {
+    uint32_t low = (1u << bit) - 1;
+    for (int k = 0; k < 3; k++)
+      for (int i = 0; i < LANES; i++) {
+        uint32_t set = 0 - (x[k][i] >> bit & 1), t = (x[0][i] ^ x[k][i]) & low & ~set;
+        x[0][i] ^= (low & set) ^ t;
+        x[k][i] ^= k ? t : 0;
       }
-    }
   }
   /* Gray code. */
-  x[1] ^= x[0];
-  x[2] ^= x[1];
-  uint32_t t = 0;
-  for (uint32_t q = 1u << (BITS - 1); q > 1; q >>= 1)
-    if (x[2] & q) t ^= q - 1;
-  uint64_t key = 0;
-  for (int bit = BITS - 1; bit >= 0; bit--)
-    for (int k = 0; k < 3; k++) key = key << 1 | (((x[k] ^ t) >> bit) & 1);
+  for (int i = 0; i < LANES; i++) {
+    x[1][i] ^= x[0][i];
+    x[2][i] ^= x[1][i];
+    uint32_t t = x[2][i] >> 1; /* bit b: the parity of the bits above it */
+    for (int shift = 1; shift < BITS; shift *= 2) t ^= t >> shift;
+    for (int k = 0; k < 3; k++) x[k][i] ^= t;
+  }
+}
+
+void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const uint32_t *ids, uint32_t n,
+                      uint64_t *keys) {
+  uint32_t x[3][LANES];
+  for (uint32_t from = 0; from < n; from += LANES) {
+    uint32_t count = n - from < LANES ? n - from : LANES;
+    for (int k = 0; k < 3; k++)
+      for (uint32_t i = 0; i < LANES; i++) x[k][i] = i < count ? cell(box, points + 3 * (size_t)ids[from + i], k) : 0;
+    transpose(x);
+    for (uint32_t i = 0; i < count; i++)
+      keys[from + i] = spread(x[0][i]) << 2 | spread(x[1][i]) << 1 | spread(x[2][i]);
+  }
+}
+
+uint64_t tet_hilbert_key(const tet_hilbert_box *box, const double p[3]) {
+  uint64_t key;
+  const uint32_t first = 0;
+  tet_hilbert_keys(box, p, &first, 1, &key);
   return key;
 }

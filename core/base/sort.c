@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /* sort.c: introsort (Musser 1997): quicksort, heaps where it degenerates, and
- * insertion for short runs. libc's qsort may allocate outside the budget. */
+ * insertion for short runs; and a radix sort, lowest digits first. libc's qsort may
+ * allocate outside the budget. */
 #include "base/sort.h"
+
+#include <string.h>
 
 enum { SHORT_RUN = 24 };
 
@@ -79,4 +82,22 @@ void tet_sort_keyed(tet_keyed *items, size_t n) {
   int depth = 2;
   for (size_t k = n; k > 1; k /= 2) depth += 2;
   sort(items, n, depth);
+}
+
+enum { DIGIT = 11, DIGITS = 6, BUCKETS = 1 << DIGIT }; /* 66 bits and more than a key has */
+
+void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n) {
+  tet_keyed *from = items, *to = scratch;
+  for (int d = 0; d < DIGITS; d++) {
+    size_t start[BUCKETS + 1] = {0};
+    int shift = d * DIGIT;
+    for (size_t i = 0; i < n; i++) start[(from[i].key >> shift & (BUCKETS - 1)) + 1]++;
+    if (n && start[(from[0].key >> shift & (BUCKETS - 1)) + 1] == n) continue; /* all alike */
+    for (int b = 0; b < BUCKETS; b++) start[b + 1] += start[b];
+    for (size_t i = 0; i < n; i++) to[start[from[i].key >> shift & (BUCKETS - 1)]++] = from[i];
+    tet_keyed *other = from;
+    from = to;
+    to = other;
+  }
+  if (from != items) memcpy(items, from, n * sizeof *items);
 }

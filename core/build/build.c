@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "build/delaunay.h"
+#include "mesh/delaunay.h"
 #include "build/repair.h"
 #include "build/soup.h"
 #include "build/state.h"
@@ -54,6 +54,7 @@ static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
     double size = fabs(pls->points[i]);
     if (size > st->points.max_abs) st->points.max_abs = size;
   }
+  tet_points_find_grain(&st->points);
   return TET_OK;
 }
 
@@ -85,7 +86,7 @@ static tet_status triangulate_vertices(tet_state *st, const uint8_t *keep) {
   tet_stage_begin(st->ctx, "delaunay");
   for (uint32_t v = 0; v < st->n_input; v++)
     if (keep[v]) ids[n++] = v;
-  tet_status status = tet_delaunay(&st->complex, ids, n);
+  tet_status status = tet_delaunay(&st->complex, ids, n, 1);
   if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
   tet_free(st->ctx, ids);
   return status;

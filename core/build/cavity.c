@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-#include "build/delaunay.h"
+#include "mesh/delaunay.h"
 #include "build/wrap.h"
 
 /* Room for the faces of all slots; new entries are TET_NONE. */
@@ -69,10 +69,8 @@ static tet_status collect_vertices(tet_cavity *c, const int8_t *side, int up) {
 /* The local Delaunay tetrahedralization of the vertices. */
 static tet_status triangulate(tet_cavity *c) {
   tet_complex *l = &c->local;
-  l->n_slots = l->n_live = 0;
-  l->n_free = 0;
-  l->last = TET_NONE;
-  return tet_delaunay(l, c->vertex, (uint32_t)c->n_vertex);
+  tet_complex_clear(l);
+  return tet_delaunay(l, c->vertex, (uint32_t)c->n_vertex, 1);
 }
 
 /* The local handle, inside the cavity, of the face that border handle h shows. */

@@ -212,7 +212,7 @@ static tet_status requeue_cavity(recovery *r) {
   const tet_complex *c = &r->st->complex;
   tet_status status = TET_OK;
   for (size_t k = 0; k < c->n_cavity && status == TET_OK; k++) {
-    const uint32_t *v = c->v + 4 * (size_t)c->cavity[k];
+    const uint32_t *v = c->old[k];
     for (int i = 0; i < 4; i++)
       for (int j = i + 1; j < 4 && status == TET_OK; j++) {
         if (v[i] == TET_GHOST || v[j] == TET_GHOST || !r->on_segment[v[i]] || !r->on_segment[v[j]]) continue;
@@ -303,6 +303,7 @@ tet_status tet_recover_segments(tet_state *st) {
   recovery r = {.st = st, .ctx = st->ctx};
   tet_surface *s = &st->surface;
   tet_status status = make_room(&r);
+  st->complex.keep_old = 1;
   if (status == TET_OK) status = find_acute(&r);
   for (uint32_t e = 0; e < s->n_subsegs && status == TET_OK; e++) {
     const uint32_t *v = s->subseg + 2 * (size_t)e;
@@ -313,6 +314,7 @@ tet_status tet_recover_segments(tet_state *st) {
   }
   if (status == TET_OK) status = split_breaks(&r);
   if (status == TET_OK) status = recover(&r);
+  st->complex.keep_old = 0;
   tet_edge_map_free(r.ctx, &r.edges);
   tet_free(r.ctx, r.on_segment);
   tet_free(r.ctx, r.acute);

@@ -67,7 +67,7 @@ static tet_status order_points(tet_ctx *ctx, tet_mesh *m) {
   uint32_t n = m->n_points, *row_of = NULL;
   tet_keyed *order = tet_alloc(ctx, n, sizeof *order);
   if (!order) return tet_ctx_error(ctx)->status;
-  tet_hilbert_box box = tet_hilbert_bound(m->points, n);
+  tet_hilbert_box box = tet_hilbert_bound(m->points, NULL, n);
   for (uint32_t i = 0; i < n; i++) order[i] = (tet_keyed){tet_hilbert_key(&box, m->points + 3 * (size_t)i), i};
   tet_sort_keyed(order, n);
   tet_status status = invert(ctx, order, n, &row_of);

@@ -5,6 +5,7 @@
 #include "exact/exact_points.h"
 
 #include <limits.h>
+#include <math.h>
 
 static int32_t least_exponent(const double *x, int32_t least) {
   for (int k = 0; k < 3; k++) {
@@ -68,4 +69,31 @@ void tet_segment_point_round(const tet_points *p, const tet_segment_point *s, do
     tet_dyadic x = interpolate(&w, ref.a[k], ref.b[k], t, least);
     out[k] = tet_dyadic_to_double(&x);
   }
+}
+
+/* Useless where the largest coordinate is more than this many grains. */
+#define MOST_GRAINS 0x1p42
+
+void tet_points_find_grain(tet_points *p) {
+  uint32_t n = p->n < p->first_implicit ? p->n : p->first_implicit;
+  int32_t least = INT_MAX;
+  double most = 0, grain = 0;
+  p->grain3 = p->grain5 = 0;
+  for (size_t i = 0; i < 3 * (size_t)n; i++) {
+    uint64_t m;
+    int32_t e;
+    if (tet_double_parts(p->x[i], &m, &e) == 0)
+      continue;
+    most = fabs(p->x[i]) > most ? fabs(p->x[i]) : most;
+    if (e < least) {
+      least = e;
+      grain = ldexp(1, e);
+    }
+    if (!(most <= grain * MOST_GRAINS))
+      return;
+  }
+  if (least < -80 || least > 80) /* keeps the powers away from underflow */
+    return;
+  p->grain3 = grain * grain * grain;
+  p->grain5 = p->grain3 * grain * grain;
 }

@@ -30,7 +30,20 @@ typedef struct tet_points {
   uint32_t first_implicit; /* the first implicit vertex */
   tet_segment_point *implicit;
   double max_abs; /* at least the largest |coordinate| of all vertices */
+  const uint32_t *rank; /* the number by which a vertex is perturbed; NULL: its own */
+  double grain3, grain5; /* third and fifth power of a number of which all explicit
+                            coordinates are multiples (tet_points_find_grain); 0: unknown */
 } tet_points;
+
+/** A view of n explicit vertices, of unknown grain. */
+static inline tet_points tet_points_explicit(double *x, uint32_t n) {
+  return (tet_points){.x = x, .n = n, .first_implicit = UINT32_MAX};
+}
+
+/** Sets the grain of p's explicit vertices: the largest power of two that divides all their
+ * coordinates, where it is large enough against them to be of use. Then a determinant
+ * known to be smaller than its grain is known to be zero. */
+void tet_points_find_grain(tet_points *p);
 
 /** The doubles that stand for an implicit point in p->x: each coordinate is the
  * double nearest to the exact a + t (b - a), ties to even. Deterministic. Reads

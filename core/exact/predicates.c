@@ -8,6 +8,7 @@
 #include "exact/exact_stage.h"
 #include "exact/filter.h"
 #include "exact/grid_stage.h"
+#include "exact/quick.h"
 
 static const double *xyz(const tet_points *p, uint32_t v) {
   return p->x + 3 * (size_t)v;
@@ -45,12 +46,8 @@ static __attribute__((noinline)) int orient3d_explicit_exact(const double *a, co
 }
 
 int tet_orient3d_xyz(const double *a, const double *b, const double *c, const double *d) {
-  double e[9];
-  subtract(b, a, e);
-  subtract(c, a, e + 3);
-  subtract(d, a, e + 6);
-  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, e, 0, 9, TET_ROUNDINGS_ORIENT3D);
-  return sign ? sign : orient3d_explicit_exact(a, b, c, d);
+  int sign = tet_quick_orient3d(a, b, c, d, 0);
+  return sign != TET_UNSURE ? sign : orient3d_explicit_exact(a, b, c, d);
 }
 
 static __attribute__((noinline)) int orient3d_implicit(const tet_points *p, const uint32_t v[4]) {
@@ -70,7 +67,8 @@ int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
     const uint32_t v[4] = {a, b, c, d};
     return orient3d_implicit(p, v);
   }
-  return tet_orient3d_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
+  int sign = tet_quick_orient3d(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), p->grain3);
+  return sign != TET_UNSURE ? sign : orient3d_explicit_exact(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
 }
 
 /* insphere */
@@ -90,14 +88,8 @@ static __attribute__((noinline)) int insphere_explicit_exact(const double *a, co
 
 int tet_insphere_xyz(const double *a, const double *b, const double *c, const double *d,
                      const double *e) {
-  double f[12];
-  subtract(a, e, f);
-  subtract(b, e, f + 3);
-  subtract(c, e, f + 6);
-  subtract(d, e, f + 9);
-  int sign =
-      tet_filter(tet_insphere_value, tet_insphere_majorant, f, 0, 12, TET_ROUNDINGS_INSPHERE);
-  return sign ? sign : insphere_explicit_exact(a, b, c, d, e);
+  int sign = tet_quick_insphere(a, b, c, d, e, 0);
+  return sign != TET_UNSURE ? sign : insphere_explicit_exact(a, b, c, d, e);
 }
 
 static __attribute__((noinline)) int insphere_implicit(const tet_points *p, const uint32_t v[5]) {
@@ -118,7 +110,9 @@ int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
     const uint32_t v[5] = {a, b, c, d, e};
     return insphere_implicit(p, v);
   }
-  return tet_insphere_xyz(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e));
+  int sign = tet_quick_insphere(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e), p->grain5);
+  return sign != TET_UNSURE ? sign
+                            : insphere_explicit_exact(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e));
 }
 
 /* The lifted height of vertex v is raised by epsilon(v), where epsilon(v) is larger
@@ -126,17 +120,21 @@ int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
  * vertex of the largest number whose coefficient is not zero decides. The coefficient
  * of e is -orient3d(a,b,c,d): raised, e leaves the sphere. Those of the others follow
  * by exchanging them with e, which also changes the sign. */
-static __attribute__((noinline)) int insphere_tie(const tet_points *p, const uint32_t v[5]) {
-  int order[5] = {0, 1, 2, 3, 4}; /* places in v, by falling vertex number */
+int tet_insphere_tie(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d, uint32_t e) {
+  const uint32_t v[5] = {a, b, c, d, e};
+  uint32_t rank[5];
+  for (int i = 0; i < 5; i++)
+    rank[i] = p->rank ? p->rank[v[i]] : v[i];
+  int order[5] = {0, 1, 2, 3, 4}; /* places in v, by falling rank */
   for (int i = 1; i < 5; i++) {
-    for (int j = i; j > 0 && v[order[j - 1]] < v[order[j]]; j--) {
+    for (int j = i; j > 0 && rank[order[j - 1]] < rank[order[j]]; j--) {
       int t = order[j];
       order[j] = order[j - 1];
       order[j - 1] = t;
     }
   }
   for (int i = 1; i < 5; i++) {
-    if (v[order[i - 1]] == v[order[i]])
+    if (rank[order[i - 1]] == rank[order[i]])
       return 0;
   }
   for (int i = 0; i < 5; i++) {
@@ -152,10 +150,7 @@ static __attribute__((noinline)) int insphere_tie(const tet_points *p, const uin
 int tet_insphere_sos(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
                      uint32_t e) {
   int sign = tet_insphere(p, a, b, c, d, e);
-  if (sign)
-    return sign;
-  const uint32_t v[5] = {a, b, c, d, e};
-  return insphere_tie(p, v);
+  return sign ? sign : tet_insphere_tie(p, a, b, c, d, e);
 }
 
 /* orient2d and collinearity */

@@ -35,10 +35,15 @@ int tet_insphere_xyz(const double *a, const double *b, const double *c, const do
                      const double *e);
 
 /** tet_insphere with ties broken by a symbolic perturbation of the lifted weights,
- * a function of the vertex numbers alone (Devillers, Teillaud 2011): no five
+ * a function of the vertices' ranks alone (Devillers, Teillaud 2011): no five
  * vertices are cospherical unless they are coplanar. 0 only if all five lie in
  * one plane or a number repeats. Antisymmetric under permutations. */
 int tet_insphere_sos(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
+                     uint32_t e);
+
+/** The sign that the perturbation gives five cospherical vertices: tet_insphere_sos where
+ * tet_insphere is 0. */
+int tet_insphere_tie(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
                      uint32_t e);
 
 /** Orientation in the plane of the coordinates (axis+1)%3, (axis+2)%3, that is

@@ -4,20 +4,31 @@
  * Insertion is in insertion.c. Nothing here decides by geometry. */
 #include "mesh/complex.h"
 
+#include "mesh/hole.h"
+
 #include <string.h>
+
+#define MOST_TETRAHEDRA (UINT32_MAX >> 2)
 
 void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points) {
   memset(c, 0, sizeof *c);
   c->ctx = ctx;
   c->points = points;
-  c->last = TET_NONE;
-  c->random = 2463534242u;
+  tet_complex_clear(c);
 }
 
 void tet_complex_free(tet_complex *c) {
-  void *all[] = {c->v, c->adj, c->flag, c->at, c->free_slots, c->cavity, c->border, c->made};
+  void *all[] = {c->v,   c->adj,    c->flag, c->at,    c->cavity,  c->old,
+                 c->border, c->made, c->place, c->map.key, c->map.handle};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(c->ctx, all[i]);
+  tet_hole_free(c);
   memset(c, 0, sizeof *c);
+}
+
+void tet_complex_clear(tet_complex *c) {
+  c->n_slots = c->n_live = c->n_free = 0;
+  c->free_slot = c->last = TET_NONE;
+  c->random = 2463534242u;
 }
 
 tet_status tet_complex_reserve_vertices(tet_complex *c, uint32_t n) {
@@ -25,33 +36,44 @@ tet_status tet_complex_reserve_vertices(tet_complex *c, uint32_t n) {
   tet_status status = tet_grow(c->ctx, &c->at, &c->cap_at, n, sizeof *c->at);
   if (status != TET_OK) return status;
   for (size_t i = before; i < c->cap_at; i++) c->at[i] = TET_NONE;
-  return TET_OK;
+  before = c->cap_place;
+  status = tet_grow(c->ctx, &c->place, &c->cap_place, (size_t)n + 1, sizeof *c->place);
+  if (status == TET_OK) memset(c->place + before, 0, c->cap_place - before);
+  return status;
+}
+
+tet_status tet_complex_reserve(tet_complex *c, uint64_t n) {
+  if (n > MOST_TETRAHEDRA) return tet_fail(c->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
+  if (n <= c->cap_slots) return TET_OK;
+  tet_status status = tet_grow(c->ctx, &c->v, &c->cap_v, 4 * (size_t)n, sizeof *c->v);
+  if (status == TET_OK) status = tet_grow(c->ctx, &c->adj, &c->cap_adj, 4 * (size_t)n, sizeof *c->adj);
+  if (status == TET_OK) status = tet_grow(c->ctx, &c->flag, &c->cap_flag, (size_t)n, sizeof *c->flag);
+  size_t least = c->cap_v / 4 < c->cap_flag ? c->cap_v / 4 : c->cap_flag;
+  if (status == TET_OK) c->cap_slots = c->cap_adj / 4 < least ? c->cap_adj / 4 : least;
+  return status;
 }
 
 tet_status tet_complex_new(tet_complex *c, uint32_t *ret_t) {
-  if (c->n_free) {
-    *ret_t = c->free_slots[--c->n_free];
-    c->flag[*ret_t] = 0;
-    c->n_live++;
-    return TET_OK;
+  uint32_t t = c->free_slot;
+  if (t != TET_NONE) {
+    c->free_slot = c->v[4 * (size_t)t];
+    c->n_free--;
+  } else {
+    tet_status status = tet_complex_reserve(c, (uint64_t)c->n_slots + 1);
+    if (status != TET_OK) return status;
+    t = c->n_slots++;
   }
-  size_t n = (size_t)c->n_slots + 1;
-  if (n > (UINT32_MAX >> 2)) return tet_fail(c->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
-  tet_status status = tet_grow(c->ctx, &c->v, &c->cap_v, 4 * n, sizeof *c->v);
-  if (status == TET_OK) status = tet_grow(c->ctx, &c->adj, &c->cap_adj, 4 * n, sizeof *c->adj);
-  if (status == TET_OK) status = tet_grow(c->ctx, &c->flag, &c->cap_flag, n, sizeof *c->flag);
-  /* room to free every slot, so that freeing cannot fail */
-  if (status == TET_OK) status = tet_grow(c->ctx, &c->free_slots, &c->cap_free, n, sizeof *c->free_slots);
-  if (status != TET_OK) return status;
-  *ret_t = c->n_slots++;
-  c->flag[*ret_t] = 0;
+  c->flag[t] = c->owner;
   c->n_live++;
+  *ret_t = t;
   return TET_OK;
 }
 
 void tet_complex_delete(tet_complex *c, uint32_t t) {
   c->flag[t] = TET_FLAG_FREE;
-  c->free_slots[c->n_free++] = t;
+  c->v[4 * (size_t)t] = c->free_slot;
+  c->free_slot = t;
+  c->n_free++;
   c->n_live--;
 }
 
@@ -59,18 +81,16 @@ tet_status tet_complex_star(tet_complex *c, uint32_t a) {
   c->n_made = 0;
   uint32_t first = c->at[a];
   if (first == TET_NONE) return TET_OK;
-  tet_status status = tet_grow(c->ctx, &c->made, &c->cap_made, 1, sizeof *c->made);
+  tet_status status = tet_grow(c->ctx, &c->made, &c->cap_made, 64, sizeof *c->made);
   if (status != TET_OK) return status;
   c->made[c->n_made++] = first;
   c->flag[first] |= TET_FLAG_MARK;
   for (size_t k = 0; k < c->n_made && status == TET_OK; k++) {
-    uint32_t t = c->made[k];
-    for (int i = 0; i < 4 && status == TET_OK; i++) {
-      if (c->v[4 * (size_t)t + i] == a) continue;
-      uint32_t o = c->adj[4 * (size_t)t + i] >> 2;
-      if (c->flag[o] & TET_FLAG_MARK) continue;
-      status = tet_grow(c->ctx, &c->made, &c->cap_made, c->n_made + 1, sizeof *c->made);
-      if (status != TET_OK) break;
+    const size_t h = 4 * (size_t)c->made[k];
+    if (c->cap_made - c->n_made < 3) status = tet_grow(c->ctx, &c->made, &c->cap_made, c->n_made + 3, sizeof *c->made);
+    for (size_t i = h; i < h + 4 && status == TET_OK; i++) {
+      uint32_t o = c->adj[i] >> 2;
+      if (c->v[i] == a || c->flag[o] & TET_FLAG_MARK) continue;
       c->flag[o] |= TET_FLAG_MARK;
       c->made[c->n_made++] = o;
     }

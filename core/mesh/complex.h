@@ -8,8 +8,8 @@
  * for a p that sees it.
  *
  * Points are seen through the exact predicates alone; implicit ones included.
- * Bowyer-Watson insertion and location here serve the Delaunay stage and segment
- * recovery; facet recovery cuts and fills through the lower functions.
+ * Location, insertion and removal here serve the Delaunay stage and segment recovery;
+ * facet recovery cuts and fills through the lower functions.
  */
 #ifndef TET_MESH_COMPLEX_H
 #define TET_MESH_COMPLEX_H
@@ -24,8 +24,27 @@ enum {
   TET_FLAG_FREE = 1,   /* the slot is unused */
   TET_FLAG_CAVITY = 2, /* in the cavity that is being filled */
   TET_FLAG_MARK = 4,   /* for searches; clear when they end */
-  TET_FLAG_BORDER = 16 /* << i: face i bounds the cavity */
+  TET_FLAG_OWNER = 8   /* times the number of the thread that may change it */
 };
+
+enum {
+  TET_MOST_THREADS = 31, /* one number more stands for "nobody" */
+  TET_SMALL_STAR = 64    /* vertices of a cavity's border that the small edge table holds */
+};
+
+/* A face of a cavity's border as the tetrahedron that will stand on it. */
+typedef struct tet_border {
+  uint32_t v[4];  /* with the new vertex at `place` */
+  uint32_t outer; /* the handle beyond */
+  uint32_t place;
+} tet_border;
+
+/* A hash table from edges to faces, for cavities of many vertices. */
+typedef struct tet_star_map {
+  uint64_t *key;
+  uint32_t *handle;
+  size_t cap_key, cap_handle, mask;
+} tet_star_map;
 
 typedef struct tet_complex {
   tet_ctx *ctx;
@@ -34,25 +53,45 @@ typedef struct tet_complex {
   uint32_t *adj;       /* [slots][4] handles */
   uint8_t *flag;       /* [slots] */
   uint32_t n_slots, n_live; /* live: finite and ghost */
-  size_t cap_v, cap_adj, cap_flag;
-  uint32_t *at;        /* [points] a tetrahedron with the vertex, or TET_NONE */
+  size_t cap_v, cap_adj, cap_flag, cap_slots; /* the last: what all three hold */
+  uint32_t *at;        /* [points] a tetrahedron with the vertex, or TET_NONE; NULL while
+                          many are inserted */
   size_t cap_at;
-  uint32_t *free_slots;
-  size_t n_free, cap_free;
+  uint32_t free_slot, n_free; /* first of the free slots, chained through v[4t]; or TET_NONE */
   uint32_t last;       /* where the last walk ended */
   uint32_t random;     /* of the walk */
-  uint32_t *cavity, *border, *made; /* the last insertion's: old tetrahedra, border
-                                       handles (inside), new tetrahedra */
-  size_t n_cavity, cap_cavity, n_border, cap_border, n_made, cap_made;
+  uint8_t owner;       /* TET_FLAG_OWNER times this thread's number; 0: all is its own */
+  uint8_t keep_old;    /* 1: insertions fill `old` */
+
+  /* Scratch, and what the last change did. */
+  uint32_t *cavity;    /* [n_cavity] the slots of the old tetrahedra */
+  uint32_t (*old)[4];  /* [n_cavity] their vertices, if keep_old */
+  tet_border *border;  /* [n_border] */
+  uint32_t *made;      /* [n_made] of tet_complex_star */
+  size_t n_cavity, cap_cavity, cap_old, n_border, cap_border, n_made, cap_made;
+  uint8_t *place;      /* [points and more] 1 + place in `round`, 0: not in the star; the last
+                          is the ghost vertex's */
+  size_t cap_place;
+  uint32_t round[TET_SMALL_STAR + 1];
+  uint32_t edge[TET_SMALL_STAR][TET_SMALL_STAR]; /* face above the edge between two places */
+  uint16_t back[6 * TET_SMALL_STAR];       /* where the other face at an edge will be */
+  tet_star_map map;
+  struct tet_hole *hole; /* of removals; NULL before the first */
 } tet_complex;
 
 void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points);
 void tet_complex_free(tet_complex *c);
 
+/* Takes all tetrahedra out; keeps the memory. `at` means nothing for vertices that are not
+ * inserted again. */
+void tet_complex_clear(tet_complex *c);
+
 /* A new slot; its entries are undefined. */
 tet_status tet_complex_new(tet_complex *c, uint32_t *ret_t);
 /* Frees the slot of t. Handles to it must be gone. */
 void tet_complex_delete(tet_complex *c, uint32_t t);
+/* Makes sure of room for n slots. */
+tet_status tet_complex_reserve(tet_complex *c, uint64_t n);
 
 /* The first tetrahedron abde (positive) and its four ghosts. */
 tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t e);
@@ -65,10 +104,24 @@ int tet_complex_conflict(const tet_complex *c, uint32_t t, uint32_t p);
  * closure holds vertex p, or a ghost that p sees. */
 tet_status tet_complex_locate(tet_complex *c, uint32_t from, uint32_t p, uint32_t *ret_t);
 
+/* The same by rounded signs, and only among tetrahedra of this thread: any
+ * tetrahedron likely to be in conflict with p. Ends; cheap. */
+uint32_t tet_complex_approach(tet_complex *c, uint32_t from, uint32_t p);
+
 /* Inserts vertex p (not yet in the complex, equal to no vertex) by Bowyer-Watson.
- * `from`: a tetrahedron near it or TET_NONE. Then c->cavity, c->border and
- * c->made tell what changed. */
+ * `from`: a tetrahedron near it or TET_NONE. Then c->cavity and, if asked for,
+ * c->old tell what was there. Expected cost for evenly spread points: that of about
+ * 50 insphere tests and 27 new tetrahedra, and the walk. */
 tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from);
+
+/* The same within what this thread owns and has room for: *ret_done = 0 and nothing
+ * changed where that is not enough. Never allocates. */
+tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done);
+
+/* Removes vertex p: its star is filled with the Delaunay tetrahedra of its link, under
+ * the same perturbation, so that the complex is that of the other vertices. Errors:
+ * TET_E_DEGENERATE where the others span no volume (nothing is changed); limits. */
+tet_status tet_complex_remove(tet_complex *c, uint32_t p);
 
 /* A tetrahedron with edge ab, or TET_NONE. */
 tet_status tet_complex_find_edge(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t);

@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-/* insertion.c: location by walking and Bowyer-Watson insertion of one vertex.
+/* insertion.c: Bowyer-Watson insertion of one vertex.
  *
  * The in-sphere test is perturbed symbolically and orientation is not (Devillers,
  * Teillaud 2011): the result is the unique regular tetrahedralization of the
  * perturbed lifting, free of flat tetrahedra, whatever the order of insertion.
- * Constraints are not looked at; facet recovery does its own cutting. */
+ * Constraints are not looked at; facet recovery does its own cutting.
+ *
+ * This is the hot loop of everything. The cavity is found breadth first; each tetrahedron
+ * beside it is tested once. New tetrahedra take the slots of the old ones first, and
+ * find each other by a small table of the edges of the cavity's border (as in Marot,
+ * Pellerin, Remacle 2019), or by a hash table where that has many vertices. */
+#include <string.h>
+
 #include "exact/predicates.h"
+#include "exact/quick.h"
 #include "mesh/complex.h"
+
+typedef enum outcome {
+  DONE,
+  ROOM, /* the lists are too short to go on */
+  WALL  /* a tetrahedron of another thread */
+} outcome;
+
+/* What one tetrahedron can add to the lists. */
+enum { STEP = 4 };
 
 tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t e) {
   uint32_t v[4] = {a, b, d, e}, t, ghost[4];
@@ -15,7 +32,7 @@ tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d,
   if (status != TET_OK) return status;
   for (int i = 0; i < 4; i++) {
     c->v[4 * (size_t)t + i] = v[i];
-    c->at[v[i]] = t;
+    if (c->at) c->at[v[i]] = t;
     for (int j = 0; j < 3; j++) c->v[4 * (size_t)ghost[i] + j] = v[tet_face[i][j]];
     c->v[4 * (size_t)ghost[i] + 3] = TET_GHOST;
     tet_link(c, 4 * t + (uint32_t)i, 4 * ghost[i] + 3);
@@ -41,130 +58,250 @@ int tet_complex_conflict(const tet_complex *c, uint32_t t, uint32_t p) {
   return tet_insphere_sos(c->points, v[0], v[1], v[2], v[3], p) > 0;
 }
 
-/* Which face of t the walk leaves through, or 4 when p is in the closure. The
- * first face looked at is random: a visibility walk may cycle once facets are
- * in, a random one ends. */
-static int leave_through(tet_complex *c, uint32_t t, uint32_t p, int entered) {
-  c->random ^= c->random << 13;
-  c->random ^= c->random >> 17;
-  c->random ^= c->random << 5;
+/* A conflict that the first look does not settle. */
+static __attribute__((noinline)) int slow_conflict(const tet_complex *c, uint32_t t, uint32_t p, int sign) {
   const uint32_t *v = c->v + 4 * (size_t)t;
-  for (uint32_t k = 0; k < 4; k++) {
-    int i = (int)((c->random + k) & 3);
-    if (i == entered) continue;
-    const uint8_t *f = tet_face[i];
-    if (tet_orient3d(c->points, v[f[0]], v[f[1]], v[f[2]], p) > 0) return i;
-  }
-  return 4;
+  if (v[3] == TET_GHOST || sign == TET_UNSURE) return tet_complex_conflict(c, t, p);
+  return tet_insphere_tie(c->points, v[0], v[1], v[2], v[3], p) > 0;
 }
 
-tet_status tet_complex_locate(tet_complex *c, uint32_t from, uint32_t p, uint32_t *ret_t) {
-  uint32_t t = from != TET_NONE ? from : c->last;
-  if (tet_is_ghost(c, t)) t = c->adj[4 * (size_t)t + 3] >> 2;
-  int entered = 4;
-  for (uint64_t steps = 0; steps < (uint64_t)1 << 34; steps++) {
-    int i = leave_through(c, t, p, entered);
-    if (i == 4) break;
-    uint32_t h = c->adj[4 * (size_t)t + i];
-    t = h >> 2;
-    entered = (int)(h & 3);
-    if (tet_is_ghost(c, t)) break;
-    if ((steps & 1023) == 1023) {
-      tet_status status = tet_poll(c->ctx);
-      if (status != TET_OK) return status;
+typedef int quick_look(const double *a, const double *b, const double *c, const double *d, const double *e,
+                       double grain5);
+
+/* tet_complex_conflict by a first look where all points are explicit, NULL where not. */
+static inline __attribute__((always_inline)) int in_conflict(const tet_complex *c, uint32_t t, uint32_t p,
+                                                             quick_look *look) {
+  if (!look) return tet_complex_conflict(c, t, p);
+  const uint32_t *v = c->v + 4 * (size_t)t;
+  if (__builtin_expect(v[3] == TET_GHOST, 0)) return slow_conflict(c, t, p, TET_UNSURE);
+  const double *x = c->points->x;
+  int sign = look(x + 3 * (size_t)v[0], x + 3 * (size_t)v[1], x + 3 * (size_t)v[2], x + 3 * (size_t)v[3],
+                  x + 3 * (size_t)p, c->points->grain5);
+  return __builtin_expect(sign & 1, 1) ? sign > 0 : slow_conflict(c, t, p, sign);
+}
+
+/* Goes on with the search for the cavity of p from its *k-th tetrahedron. */
+static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, quick_look *look) {
+  const uint32_t *adj = c->adj;
+  uint8_t *flag = c->flag;
+  for (; *k < c->n_cavity; ++*k) {
+    if (c->cap_cavity - c->n_cavity < STEP || c->cap_border - c->n_border < STEP) return ROOM;
+    uint32_t t = c->cavity[*k];
+    const uint32_t *v = c->v + 4 * (size_t)t;
+    uint32_t handle[4], untested[4], n_untested = 0;
+    int8_t conflict[4];
+    for (uint32_t i = 0; i < 4; i++) {
+      handle[i] = adj[4 * (size_t)t + i];
+      __builtin_prefetch(c->v + (handle[i] & ~3u));
     }
-  }
-  c->last = t;
-  *ret_t = t;
-  return TET_OK;
-}
-
-/* Collects the tetrahedra in conflict with p, connected to t, and the handles of
- * their border faces, which get their flag. */
-static tet_status collect_cavity(tet_complex *c, uint32_t t, uint32_t p) {
-  c->n_cavity = c->n_border = 0;
-  c->flag[t] |= TET_FLAG_CAVITY;
-  tet_status status = tet_push(c->ctx, &c->cavity, &c->n_cavity, &c->cap_cavity, t);
-  for (size_t k = 0; k < c->n_cavity && status == TET_OK; k++) {
-    uint32_t u = c->cavity[k];
-    for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
-      uint32_t o = c->adj[4 * (size_t)u + i] >> 2;
-      if (c->flag[o] & TET_FLAG_CAVITY) continue;
-      if (tet_complex_conflict(c, o, p)) {
-        c->flag[o] |= TET_FLAG_CAVITY;
-        status = tet_push(c->ctx, &c->cavity, &c->n_cavity, &c->cap_cavity, o);
-      } else {
-        c->flag[u] |= (uint8_t)(TET_FLAG_BORDER << i);
-        status = tet_push(c->ctx, &c->border, &c->n_border, &c->cap_border, 4 * u + i);
+    for (uint32_t i = 0; i < 4; i++) {
+      untested[n_untested] = i;
+      n_untested += flag[handle[i] >> 2] == c->owner;
+    }
+    for (uint32_t m = 0; m < n_untested; m++)
+      conflict[untested[m]] = (int8_t)in_conflict(c, handle[untested[m]] >> 2, p, look);
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t h = handle[i], o = h >> 2;
+      uint8_t f = flag[o];
+      if (f == c->owner) {
+        if (conflict[i]) {
+          flag[o] = f | TET_FLAG_CAVITY;
+          c->cavity[c->n_cavity++] = o;
+          __builtin_prefetch(adj + 4 * (size_t)o);
+          continue;
+        }
+        flag[o] = f | TET_FLAG_MARK;
+      } else if (f & TET_FLAG_CAVITY) {
+        continue;
+      } else if (!(f & TET_FLAG_MARK)) {
+        return WALL;
       }
+      __builtin_prefetch(adj + h, 1);
+      tet_border *b = &c->border[c->n_border++];
+      for (int j = 0; j < 4; j++) b->v[j] = v[j];
+      b->v[i] = p;
+      b->outer = h;
+      b->place = i;
     }
   }
+  return DONE;
+}
+
+static outcome search_any(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, NULL); }
+static outcome search_explicit(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, tet_quick_insphere); }
+#if TET_HAVE_AVX2
+TET_AVX2 static outcome search_avx2(tet_complex *c, size_t *k, uint32_t p) {
+  return search(c, k, p, tet_quick_insphere_avx2);
+}
+#endif
+
+/* Takes the marks of an abandoned search away. */
+static void forget(tet_complex *c) {
+  for (size_t k = 0; k < c->n_cavity; k++) c->flag[c->cavity[k]] = c->owner;
+  for (size_t k = 0; k < c->n_border; k++) c->flag[c->border[k].outer >> 2] = c->owner;
+}
+
+static tet_status make_room(tet_complex *c) {
+  tet_status status = tet_grow(c->ctx, &c->cavity, &c->cap_cavity, c->n_cavity + 64, sizeof *c->cavity);
+  if (status == TET_OK)
+    status = tet_grow(c->ctx, &c->border, &c->cap_border, c->n_border + 64, sizeof *c->border);
   return status;
 }
 
-/* From border face h and the vertex place j beside it: the border face that
- * shares the edge opposite both, found by turning around that edge inside the
- * cavity. Returns its handle and in *ret_j the like place there. */
-static uint32_t next_border(const tet_complex *c, uint32_t h, uint32_t j, uint32_t *ret_j) {
-  uint32_t t = h >> 2;
-  uint32_t out = j;    /* the face to leave through */
-  uint32_t in = h & 3; /* the face come from */
-  while (!(c->flag[t] & (TET_FLAG_BORDER << out))) {
-    uint32_t kept = c->v[4 * (size_t)t + in]; /* on the face crossed, off the edge */
-    uint32_t g = c->adj[4 * (size_t)t + out];
-    t = g >> 2;
-    in = g & 3;
-    out = (uint32_t)tet_index_of(c, t, kept);
+/* The cavity of p around t, which is in conflict with it. */
+static outcome collect(tet_complex *c, uint32_t t, uint32_t p, size_t *k) {
+  if (*k == 0) {
+    c->n_border = 0;
+    c->n_cavity = 1;
+    c->cavity[0] = t;
+    c->flag[t] = c->owner | TET_FLAG_CAVITY;
   }
-  *ret_j = in;
-  return 4 * t + out;
+  if (c->points->first_implicit < c->points->n) return search_any(c, k, p);
+#if TET_HAVE_AVX2
+  if (tet_has_avx2()) return search_avx2(c, k, p);
+#endif
+  return search_explicit(c, k, p);
 }
 
-/* Replaces the cavity by the cone of p over its border. */
-static tet_status fill_cavity(tet_complex *c, uint32_t p) {
-  tet_status status = tet_grow(c->ctx, &c->made, &c->cap_made, c->n_border, sizeof *c->made);
-  c->n_made = 0;
-  for (size_t k = 0; k < c->n_border && status == TET_OK; k++) {
-    status = tet_complex_new(c, &c->made[k]);
-    if (status == TET_OK) c->n_made++;
+/* The number of vertex v in the small table. Numbers are given as vertices come, without a
+ * branch, as nobody can foretell which ones have come before. */
+static inline uint32_t place_of(tet_complex *c, uint32_t v, uint32_t *n_round) {
+  uint32_t ghost = (uint32_t)c->cap_place - 1, at = v < ghost ? v : ghost, place = c->place[at];
+  c->round[*n_round] = at;
+  *n_round += !place;
+  place = place ? place : *n_round;
+  c->place[at] = (uint8_t)place;
+  return place - 1;
+}
+
+/* Joins the new tetrahedra: each edge of the border is passed once in either direction, and the
+ * faces above the two passages meet. */
+static void join_small(tet_complex *c, const uint32_t *slot) {
+  uint32_t n_round = 0;
+  for (size_t k = 0; k < c->n_border; k++) {
+    const tet_border *b = &c->border[k];
+    const uint8_t *f = tet_face[b->place];
+    uint32_t place[3];
+    for (int m = 0; m < 3; m++) place[m] = place_of(c, b->v[f[m]], &n_round);
+    for (int m = 0; m < 3; m++) {
+      uint32_t from = place[m], to = place[(m + 1) % 3];
+      c->edge[from][to] = 4 * slot[k] + f[(m + 2) % 3];
+      c->back[3 * k + (size_t)m] = (uint16_t)(to * TET_SMALL_STAR + from);
+    }
   }
+  for (size_t k = 0; k < c->n_border; k++) {
+    const uint8_t *f = tet_face[c->border[k].place];
+    for (size_t m = 0; m < 3; m++) c->adj[4 * (size_t)slot[k] + f[(m + 2) % 3]] = (&c->edge[0][0])[c->back[3 * k + m]];
+  }
+  for (uint32_t k = 0; k < n_round; k++) c->place[c->round[k]] = 0;
+}
+
+/* The same by hashing edges, for any number of vertices. map.mask + 1 slots, twice the edges. */
+static void join_large(tet_complex *c, const uint32_t *slot) {
+  tet_star_map *m = &c->map;
+  memset(m->key, 0, (m->mask + 1) * sizeof *m->key);
+  for (size_t k = 0; k < c->n_border; k++) {
+    const tet_border *b = &c->border[k];
+    uint32_t n = slot[k];
+    const uint8_t *f = tet_face[b->place];
+    for (int j = 0; j < 3; j++) {
+      uint32_t x = b->v[f[j]], y = b->v[f[(j + 1) % 3]], h = 4 * n + f[(j + 2) % 3];
+      uint64_t key = x < y ? (uint64_t)y << 32 | x : (uint64_t)x << 32 | y; /* never 0: x != y */
+      size_t i = (key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & m->mask;
+      while (m->key[i] && m->key[i] != key) i = (i + 1) & m->mask;
+      if (m->key[i]) tet_link(c, h, m->handle[i]);
+      m->key[i] = key;
+      m->handle[i] = h;
+    }
+  }
+}
+
+/* A closed surface of triangles has two of them for each vertex but two. */
+static int is_small(const tet_complex *c) { return c->n_border / 2 + 2 <= TET_SMALL_STAR; }
+
+/* Memory for join_large. */
+static tet_status make_map(tet_complex *c) {
+  tet_star_map *m = &c->map;
+  size_t slots = 512;
+  while (slots < 3 * c->n_border) slots *= 2;
+  m->mask = slots - 1;
+  tet_status status = tet_grow(c->ctx, &m->key, &m->cap_key, slots, sizeof *m->key);
+  if (status == TET_OK) status = tet_grow(c->ctx, &m->handle, &m->cap_handle, slots, sizeof *m->handle);
+  return status;
+}
+
+/* Replaces the cavity by tetrahedra from the vertex to its border, in the slots c->cavity has now
+ * one for each of. */
+static void fill(tet_complex *c) {
+  uint32_t *slot = c->cavity;
+  for (size_t k = 0; k < c->n_border; k++) {
+    const tet_border *b = &c->border[k];
+    uint32_t n = slot[k], h = 4 * n + b->place;
+    memcpy(c->v + 4 * (size_t)n, b->v, sizeof b->v);
+    c->flag[n] = c->flag[b->outer >> 2] = c->owner;
+    tet_link(c, h, b->outer);
+  }
+  if (is_small(c)) join_small(c, slot);
+  else join_large(c, slot);
+  for (size_t k = c->n_border; k < c->n_cavity; k++) tet_complex_delete(c, slot[k]);
+  c->last = slot[0];
+  for (size_t k = 0; c->at && k < c->n_border; k++)
+    for (int i = 0; i < 4; i++)
+      if (c->border[k].v[i] != TET_GHOST) c->at[c->border[k].v[i]] = slot[k];
+}
+
+/* Everything that a fill needs: slots for all of the border behind those of the cavity, the
+ * map for a large one, and a copy of the old tetrahedra if one is asked for. */
+static tet_status prepare(tet_complex *c) {
+  size_t have = c->n_cavity;
+  tet_status status = tet_grow(c->ctx, &c->cavity, &c->cap_cavity, c->n_border, sizeof *c->cavity);
+  if (status == TET_OK && !is_small(c)) status = make_map(c);
+  if (status == TET_OK && c->keep_old)
+    status = tet_grow(c->ctx, &c->old, &c->cap_old, c->n_cavity, sizeof *c->old);
+  for (; have < c->n_border && status == TET_OK; have += status == TET_OK)
+    status = tet_complex_new(c, &c->cavity[have]);
   if (status != TET_OK) {
-    while (c->n_made) tet_complex_delete(c, c->made[--c->n_made]);
+    while (have > c->n_cavity) tet_complex_delete(c, c->cavity[--have]);
     return status;
   }
-  for (size_t k = 0; k < c->n_border; k++) {
-    uint32_t h = c->border[k], t = h >> 2, i = h & 3, n = c->made[k];
-    for (uint32_t j = 0; j < 4; j++) c->v[4 * (size_t)n + j] = c->v[4 * (size_t)t + j];
-    c->v[4 * (size_t)n + i] = p;
-    uint32_t outside = c->adj[h];
-    c->adj[4 * (size_t)n + i] = outside;
-    c->adj[outside] = 4 * n + i;
-    c->adj[h] = n; /* so that neighbours along the border find it */
-  }
-  for (size_t k = 0; k < c->n_border; k++) {
-    uint32_t h = c->border[k], n = c->made[k];
-    for (uint32_t j = 0; j < 4; j++) {
-      if (j == (h & 3)) continue;
-      uint32_t oj, o = next_border(c, h, j, &oj);
-      c->adj[4 * (size_t)n + j] = 4 * c->adj[o] + oj;
-      uint32_t v = c->v[4 * (size_t)n + j];
-      if (v != TET_GHOST) c->at[v] = n;
-    }
-    c->at[p] = n;
-  }
-  for (size_t k = 0; k < c->n_cavity; k++) tet_complex_delete(c, c->cavity[k]);
-  c->last = c->made[0];
+  for (size_t k = 0; c->keep_old && k < c->n_cavity; k++)
+    memcpy(c->old[k], c->v + 4 * (size_t)c->cavity[k], sizeof *c->old);
   return TET_OK;
 }
 
 tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
-  uint32_t t;
-  tet_status status = tet_complex_locate(c, from, p, &t);
+  size_t k = 0;
+  uint32_t t = tet_complex_approach(c, from, p);
+  int found = tet_complex_conflict(c, t, p);
+  tet_status status = found ? TET_OK : tet_complex_locate(c, t, p, &t);
+  if (status == TET_OK && !c->cap_border) status = make_room(c);
   if (status != TET_OK) return status;
-  if (!tet_complex_conflict(c, t, p)) return tet_internal(c->ctx, "a located vertex without conflict");
-  status = collect_cavity(c, t, p);
-  if (status == TET_OK) status = fill_cavity(c, p);
-  if (status != TET_OK)
-    for (size_t k = 0; k < c->n_cavity; k++) c->flag[c->cavity[k]] = 0;
+  if (!found && !tet_complex_conflict(c, t, p)) return tet_internal(c->ctx, "a located vertex without conflict");
+  while (status == TET_OK && collect(c, t, p, &k) == ROOM) status = make_room(c);
+  if (status == TET_OK) status = prepare(c);
+  if (status == TET_OK) fill(c);
+  else forget(c);
   return status;
+}
+
+/* 1 if prepare has nothing to ask the context for. */
+static int has_room(const tet_complex *c) {
+  size_t more = c->n_border > c->n_cavity ? c->n_border - c->n_cavity : 0;
+  return is_small(c) && c->n_border <= c->cap_cavity && more <= (c->cap_slots - c->n_slots) + (size_t)c->n_free;
+}
+
+tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
+  size_t k = 0;
+  uint32_t t = tet_complex_approach(c, c->last, p);
+  *ret_done = 0;
+  if (c->flag[t] != c->owner || !tet_complex_conflict(c, t, p)) return TET_OK;
+  if (collect(c, t, p, &k) != DONE || !has_room(c)) {
+    forget(c);
+    return TET_OK;
+  }
+  tet_status status = prepare(c);
+  if (status != TET_OK) return status;
+  fill(c);
+  *ret_done = 1;
+  return TET_OK;
 }

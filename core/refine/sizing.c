@@ -47,7 +47,7 @@ static tet_status build_tree(refiner *r, box_tree *tree) {
   tree->element = tet_alloc(r->ctx, n, sizeof *tree->element);
   tree->box = tet_alloc(r->ctx, 2 * (size_t)leaves, sizeof *tree->box);
   if (!tree->element || !tree->box) return TET_E_MEMORY;
-  tet_hilbert_box bound = tet_hilbert_bound(r->points.x, r->n_first);
+  tet_hilbert_box bound = tet_hilbert_bound(r->points.x, NULL, r->n_first);
   for (uint32_t i = 0; i < n; i++) {
     uint32_t v[3];
     double c[3];

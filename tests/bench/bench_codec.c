@@ -5,7 +5,7 @@
 //
 //   bench_codec POINTS SEED
 
-#include "random_points.h"
+#include "point_sets.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -93,8 +93,12 @@ int main(int argc, char **argv) {
     fprintf(stderr, "usage: bench_codec POINTS SEED\n");
     return 2;
   }
-  const uint32_t n = (uint32_t)strtoul(argv[1], NULL, 10);
-  double *points = random_points(n, strtoull(argv[2], NULL, 10));
+  uint32_t n = (uint32_t)strtoul(argv[1], NULL, 10);
+  double *points = point_set("cube", n, strtoull(argv[2], NULL, 10), &n);
+  if (points == NULL) {
+    fprintf(stderr, "bench_codec: no memory\n");
+    return 1;
+  }
   const tet_pls pls = {.n_points = n, .points = points, .n_loose_points = TET_LOOSE_ALL_UNUSED};
   const int failed = run(&pls, TET_ORDER_HILBERT, "hilbert") || run(&pls, TET_ORDER_INPUT_FIRST, "input_first");
   free(points);

@@ -70,7 +70,7 @@ static void hilbert_steps_are_short(void **state) {
     }
     assert_true(steps == 1);
   }
-  tet_hilbert_box around = tet_hilbert_bound(p, N);
+  tet_hilbert_box around = tet_hilbert_bound(p, NULL, N);
   assert_true(around.low[0] == 0.5 && around.scale == 2097152.0 / (SIDE - 1));
   double far[3] = {1e300, -1e300, 0};
   assert_true(tet_hilbert_key(&around, far) < (uint64_t)1 << 63);

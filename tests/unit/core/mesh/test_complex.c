@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "build/delaunay.h"
+#include "mesh/delaunay.h"
 #include "exact/predicates.h"
 
 enum { MOST = 400 };
@@ -47,7 +47,7 @@ static void make_cloud(cloud *c, int kind, uint32_t n, uint32_t seed) {
     c->ids[c->n] = c->n;
     c->n++;
   }
-  c->points = (tet_points){c->x, c->n, UINT32_MAX, NULL, 1000};
+  c->points = tet_points_explicit(c->x, c->n);
 }
 
 static void check_laws(tet_complex *c, const cloud *p) {
@@ -92,7 +92,7 @@ static uint32_t canonical(const tet_complex *c, uint32_t (**ret)[4]) {
 
 static void build(tet_complex *c, tet_ctx *ctx, cloud *p, int expect_volume) {
   tet_complex_init(c, ctx, &p->points);
-  assert_int_equal(tet_delaunay(c, p->ids, p->n), expect_volume ? TET_OK : TET_E_DEGENERATE);
+  assert_int_equal(tet_delaunay(c, p->ids, p->n, 1), expect_volume ? TET_OK : TET_E_DEGENERATE);
 }
 
 static void laws_hold_and_order_does_not_matter(void **state) {
@@ -135,7 +135,7 @@ static void points_without_volume_are_refused(void **state) {
       p.x[3 * i + 1] = kind == 0 ? 2.0 * i : i * i % 7;
       p.x[3 * i + 2] = 5;
     }
-    p.points = (tet_points){p.x, p.n, UINT32_MAX, NULL, 1000};
+    p.points = tet_points_explicit(p.x, p.n);
     assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
     build(&c, ctx, &p, 0);
     tet_complex_free(&c);
@@ -154,7 +154,7 @@ static void a_budget_ends_the_run_cleanly(void **state) {
     tet_complex c;
     assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
     tet_complex_init(&c, ctx, &p.points);
-    tet_status status = tet_delaunay(&c, p.ids, p.n);
+    tet_status status = tet_delaunay(&c, p.ids, p.n, 1);
     assert_true(status == TET_OK || status == TET_E_MEMORY);
     assert_true(tet_ctx_peak_bytes(ctx) <= budget);
     refused += status == TET_E_MEMORY;

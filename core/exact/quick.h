@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first look of the kernel's hot loops at a sign: one evaluation in doubles and a
+// bound from the lengths of the difference vectors, which costs half of what the
+// majorant of filter.h costs and is as sharp on well-shaped and badly scaled tetrahedra.
+// Internal to this folder and to core/mesh.
+//
+// Rows a, b, c of a determinant of three have a permanent of absolute values of at most
+// sqrt(2) |a| |b| |c| (Cauchy and Schwarz, twice). So the majorant M of insphere, with
+// rows d_i, is at most sqrt(2) sum_i |d_i|^2 prod_{j != i} |d_j| <= 4 sqrt(2) prod |d_i|
+// max |d_i|, and M^2 <= 32 prod s_i max s_i with s_i = |d_i|^2; that of orient3d is at most
+// sqrt(2) prod |d_i|. The errors are below 18 u M and 10 u M (filter.h); everything is
+// compared squared, with room for the roundings of the bounds themselves. Underflow: a
+// square below 2^-900 proves nothing here. Overflow makes the bound infinite or NaN, and
+// nothing is below it.
+//
+// Where all coordinates are multiples of g, the determinants are multiples of g^3 and g^5;
+// one that is proven smaller is zero. On grids that settles what cannot be settled by
+// any bound.
+#ifndef TETRAD_CORE_EXACT_QUICK_H
+#define TETRAD_CORE_EXACT_QUICK_H
+
+#include <math.h>
+
+#include "exact/filter.h"
+
+/* What a processor may have is used only where it is asked for (tet_has_avx2). */
+#if defined(__x86_64__)
+#include <immintrin.h>
+#define TET_HAVE_AVX2 1
+#define TET_AVX2 __attribute__((target("avx2,fma")))
+static inline int tet_has_avx2(void) { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+#else
+#define TET_HAVE_AVX2 0
+#endif
+
+enum { TET_UNSURE = 2 };
+
+#define TET_QUICK_LEAST 0x1p-900
+#define TET_QUICK_INSPHERE (32.1 * (18 * TET_FILTER_UNIT) * (18 * TET_FILTER_UNIT))
+#define TET_QUICK_ORIENT3D (2.01 * (10 * TET_FILTER_UNIT) * (10 * TET_FILTER_UNIT))
+
+/* The sign of a determinant of value `det` and squared error `limit`, multiple of `grain`; or
+ * TET_UNSURE. */
+static inline int tet_quick_sign(double det, double limit, double grain) {
+  if (det * det > limit)
+    return det > 0 ? 1 : -1;
+  return fabs(det) + sqrt(limit) * 1.01 < grain ? 0 : TET_UNSURE;
+}
+
+static inline void tet_quick_row(const double *x, const double *o, double *d) {
+  d[0] = x[0] - o[0];
+  d[1] = x[1] - o[1];
+  d[2] = x[2] - o[2];
+}
+
+static inline double tet_larger(double a, double b) {
+  return a > b ? a : b;
+}
+
+/* tet_insphere_xyz, or TET_UNSURE. */
+static inline int tet_quick_insphere(const double *a, const double *b, const double *c,
+                                     const double *d, const double *e, double grain5) {
+  double r[12];
+  tet_quick_row(a, e, r);
+  tet_quick_row(b, e, r + 3);
+  tet_quick_row(c, e, r + 6);
+  tet_quick_row(d, e, r + 9);
+  double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6), s3 = tet_square(r + 9);
+  double most = tet_larger(tet_larger(s0, s1), tet_larger(s2, s3));
+  double limit = TET_QUICK_INSPHERE * ((s0 * s1) * (s2 * s3)) * most + TET_QUICK_LEAST;
+  return tet_quick_sign(tet_insphere_value(r), limit, grain5);
+}
+
+#if TET_HAVE_AVX2
+
+/* The same with one lane for each of a, b, c, d: minors of (x, y) by minors of (z, square). The
+ * monomials, and so the bound, are the same; no more roundings than there. */
+TET_AVX2 static inline int tet_quick_insphere_avx2(const double *a, const double *b, const double *c,
+                                                   const double *d, const double *e, double grain5) {
+  __m256d ac = _mm256_set_m128d(_mm_loadu_pd(c), _mm_loadu_pd(a));
+  __m256d bd = _mm256_set_m128d(_mm_loadu_pd(d), _mm_loadu_pd(b));
+  __m256d z = _mm256_set_m128d(_mm_loadh_pd(_mm_load_sd(c + 2), d + 2), _mm_loadh_pd(_mm_load_sd(a + 2), b + 2));
+  __m256d x = _mm256_sub_pd(_mm256_unpacklo_pd(ac, bd), _mm256_broadcast_sd(e));
+  __m256d y = _mm256_sub_pd(_mm256_unpackhi_pd(ac, bd), _mm256_broadcast_sd(e + 1));
+  z = _mm256_sub_pd(z, _mm256_broadcast_sd(e + 2));
+  __m256d w = _mm256_fmadd_pd(x, x, _mm256_fmadd_pd(y, y, _mm256_mul_pd(z, z)));
+  /* Minors of neighbours: 01, 12, 23, 30. */
+  __m256d x1 = _mm256_permute4x64_pd(x, 0x39), y1 = _mm256_permute4x64_pd(y, 0x39);
+  __m256d z1 = _mm256_permute4x64_pd(z, 0x39), w1 = _mm256_permute4x64_pd(w, 0x39);
+  __m256d m = _mm256_fmsub_pd(x, y1, _mm256_mul_pd(x1, y));
+  __m256d n = _mm256_fmsub_pd(z, w1, _mm256_mul_pd(z1, w));
+  __m256d s = _mm256_mul_pd(m, _mm256_permute4x64_pd(n, 0x4e)); /* 01 23, -12 03, 23 01, -03 12 */
+  /* Minors across: 02, 13. */
+  __m128d x0 = _mm256_castpd256_pd128(x), x2 = _mm256_extractf128_pd(x, 1);
+  __m128d y0 = _mm256_castpd256_pd128(y), y2 = _mm256_extractf128_pd(y, 1);
+  __m128d z0 = _mm256_castpd256_pd128(z), z2 = _mm256_extractf128_pd(z, 1);
+  __m128d w0 = _mm256_castpd256_pd128(w), w2 = _mm256_extractf128_pd(w, 1);
+  __m128d across = _mm_fmsub_pd(z0, w2, _mm_mul_pd(z2, w0));
+  __m128d q = _mm_mul_pd(_mm_fmsub_pd(x0, y2, _mm_mul_pd(x2, y0)), _mm_shuffle_pd(across, across, 1));
+  __m128d t = _mm_addsub_pd(_mm_add_pd(_mm256_castpd256_pd128(s), _mm256_extractf128_pd(s, 1)), q);
+  double det = _mm_cvtsd_f64(_mm_sub_sd(_mm_unpackhi_pd(t, t), t));
+  __m128d products = _mm_mul_pd(w0, w2), most = _mm_max_pd(w0, w2);
+  products = _mm_mul_sd(products, _mm_unpackhi_pd(products, products));
+  most = _mm_max_sd(most, _mm_unpackhi_pd(most, most));
+  double limit = TET_QUICK_INSPHERE * _mm_cvtsd_f64(products) * _mm_cvtsd_f64(most) + TET_QUICK_LEAST;
+  return tet_quick_sign(det, limit, grain5);
+}
+
+#endif
+
+/* tet_orient3d_xyz, or TET_UNSURE. */
+static inline int tet_quick_orient3d(const double *a, const double *b, const double *c,
+                                     const double *d, double grain3) {
+  double r[9];
+  tet_quick_row(b, a, r);
+  tet_quick_row(c, a, r + 3);
+  tet_quick_row(d, a, r + 6);
+  double limit = TET_QUICK_ORIENT3D * (tet_square(r) * tet_square(r + 3)) * tet_square(r + 6) + TET_QUICK_LEAST;
+  return tet_quick_sign(tet_orient3d_value(r), limit, grain3);
+}
+
+/* The plane of a triangle, to ask for the sides of many points. */
+typedef struct tet_quick_plane {
+  const double *origin;
+  double normal[3], limit;
+} tet_quick_plane;
+
+static inline tet_quick_plane tet_quick_plane_of(const double *a, const double *b, const double *c) {
+  double r[6];
+  tet_quick_row(b, a, r);
+  tet_quick_row(c, a, r + 3);
+  return (tet_quick_plane){a,
+                           {r[1] * r[5] - r[2] * r[4], r[2] * r[3] - r[0] * r[5], r[0] * r[4] - r[1] * r[3]},
+                           TET_QUICK_ORIENT3D * tet_square(r) * tet_square(r + 3)};
+}
+
+/* tet_orient3d_xyz(a, b, c, d) of the plane's triangle, or TET_UNSURE; as many roundings as there. */
+static inline int tet_quick_side(const tet_quick_plane *plane, const double *d) {
+  double r[3];
+  tet_quick_row(d, plane->origin, r);
+  return tet_quick_sign(tet_dot3(plane->normal, r), plane->limit * tet_square(r) + TET_QUICK_LEAST, 0);
+}
+
+/* The value of the determinant of tet_orient3d_xyz, however wrong. */
+static inline double tet_rough_orient3d(const double *a, const double *b, const double *c, const double *d) {
+  double r[9];
+  tet_quick_row(b, a, r);
+  tet_quick_row(c, a, r + 3);
+  tet_quick_row(d, a, r + 6);
+  return tet_orient3d_value(r);
+}
+
+#endif
