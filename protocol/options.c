@@ -28,7 +28,7 @@ bool tp_stage_of(const char *name, tp_stage *ret_stage) {
 
 void tp_options_default(tp_options *ret_options) {
   *ret_options = (tp_options){
-      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .point_order = TP_ORDER_HILBERT};
+      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .point_order = TP_ORDER_HILBERT, .threads = 1};
 }
 
 static tp_code refuse(tp_error *error, const char *name, const char *wanted) {
@@ -87,6 +87,10 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
   if (strcmp(name, "keep_hull") == 0) return read_bool(value, name, &options->keep_hull, error);
   if (strcmp(name, "neighbours") == 0) return read_bool(value, name, &options->neighbours, error);
   if (strcmp(name, "seed") == 0) return read_integer(value, name, 0, &options->seed, error);
+  if (strcmp(name, "threads") == 0) {
+    const tp_code code = read_integer(value, name, 1, &options->threads, error);
+    return code == TP_OK && options->threads > TP_MAX_THREADS ? refuse(error, name, "is above 31") : code;
+  }
   if (strcmp(name, "memory_bytes") == 0)
     return read_integer(value, name, 1, &options->memory_bytes, error);
   if (strcmp(name, "max_vertices") == 0)
@@ -136,6 +140,8 @@ json_t *tp_options_json(const tp_options *options) {
   if (options->point_order != usual.point_order)
     failed |= json_object_set_new(json, "point_order",
                                   json_string(order_names[options->point_order]));
+  if (options->threads != usual.threads)
+    failed |= json_object_set_new(json, "threads", json_integer((json_int_t)options->threads));
   if (options->memory_bytes != 0)
     failed |= json_object_set_new(json, "memory_bytes",
                                   json_integer((json_int_t)options->memory_bytes));

@@ -19,6 +19,8 @@ extern "C" {
 typedef enum tp_stage { TP_STAGE_DELAUNAY = 0, TP_STAGE_CDT, TP_STAGE_REFINE } tp_stage;
 typedef enum tp_point_order { TP_ORDER_INPUT_FIRST = 0, TP_ORDER_HILBERT } tp_point_order;
 
+enum { TP_MAX_THREADS = 31 };
+
 typedef struct tp_options {
   tp_stage stage;             /* default TP_STAGE_REFINE */
   double radius_edge;         /* >= 1; default 2.0; only of refine */
@@ -28,6 +30,7 @@ typedef struct tp_options {
   uint64_t seed;              /* up to 2^53 */
   bool neighbours;
   tp_point_order point_order; /* default TP_ORDER_HILBERT */
+  uint64_t threads;           /* 1 (default) to TP_MAX_THREADS */
   uint64_t memory_bytes;      /* 0: none */
   uint64_t max_vertices;      /* 0: none */
 } tp_options;

@@ -69,6 +69,9 @@ static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
     if (o->seed != 0) {
         failed |= set_new(json, "seed", json_integer((json_int_t)o->seed));
     }
+    if (o->threads != 0) {
+        failed |= set_new(json, "threads", json_integer((json_int_t)o->threads));
+    }
     if (o->memory_bytes != 0) {
         failed |= set_new(json, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
     }

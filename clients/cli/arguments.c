@@ -39,6 +39,7 @@ enum {
     OPTION_PRIORITY,
     OPTION_KEY,
     OPTION_SEED,
+    OPTION_THREADS,
     OPTION_REPORT,
     OPTION_FIRST_INDEX,
     OPTION_CONNECT,
@@ -66,6 +67,7 @@ static const struct {
     {"memory", 1, OPTION_MEMORY, GROUP_JOB, "BYTES   the engine's budget (K, M or G may follow)"},
     {"max-vertices", 1, OPTION_MAX_VERTICES, GROUP_JOB, "N       of the mesh"},
     {"seed", 1, OPTION_SEED, GROUP_JOB, "N       of the insertion order"},
+    {"threads", 1, OPTION_THREADS, GROUP_JOB, "N       that meshing may use (1)"},
     {"codec", 1, OPTION_CODEC, GROUP_JOB, "CODEC   of the transfer: raw, zlib or mesh"},
     {"priority", 1, OPTION_PRIORITY, GROUP_JOB, "N       -100 to 100; higher ones start first"},
     {"key", 1, OPTION_KEY, GROUP_JOB, "KEY     names the job; repeating is then safe"},
@@ -193,6 +195,7 @@ static bool apply_job_option(arguments *args, int option, const char *value) {
     case OPTION_MEMORY: return read_count(value, true, 1, &o->memory_bytes);
     case OPTION_MAX_VERTICES: return read_count(value, false, 1, &o->max_vertices);
     case OPTION_SEED: return read_count(value, false, 0, &o->seed);
+    case OPTION_THREADS: return read_count(value, false, 1, &o->threads);
     case OPTION_KEEP_HULL: o->keep_hull = 1; return true;
     case OPTION_NEIGHBOURS: o->neighbours = 1; return true;
     case OPTION_DEADLINE:

@@ -81,13 +81,21 @@ tet_status tet_account(tet_ctx *ctx, size_t before, size_t after) {
   return TET_OK;
 }
 
+static int is_cancelled(const tet_ctx *ctx) {
+  return atomic_load_explicit(&ctx->cancelled, memory_order_relaxed);
+}
+
+static int is_late(const tet_ctx *ctx) {
+  return ctx->limits.deadline_seconds > 0 && tet_wall_seconds() - ctx->start > ctx->limits.deadline_seconds;
+}
+
+int tet_is_stopping(const tet_ctx *ctx) { return is_cancelled(ctx) || is_late(ctx); }
+
 tet_status tet_poll(tet_ctx *ctx) {
-  if (atomic_load_explicit(&ctx->cancelled, memory_order_relaxed))
-    return tet_fail(ctx, TET_E_CANCELLED, "cancelled in stage %s", ctx->stage);
-  if (ctx->limits.deadline_seconds > 0 && (ctx->polls++ & 15) == 0 &&
-      tet_wall_seconds() - ctx->start > ctx->limits.deadline_seconds)
-    return tet_fail(ctx, TET_E_DEADLINE, "the deadline of %g s passed in stage %s",
-                    ctx->limits.deadline_seconds, ctx->stage);
+  if (is_cancelled(ctx)) return tet_fail(ctx, TET_E_CANCELLED, "cancelled in stage %s", ctx->stage);
+  if ((ctx->polls++ & 15) == 0 && is_late(ctx))
+    return tet_fail(ctx, TET_E_DEADLINE, "the deadline of %g s passed in stage %s", ctx->limits.deadline_seconds,
+                    ctx->stage);
   return TET_OK;
 }
 

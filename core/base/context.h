@@ -34,6 +34,9 @@ void tet_shrink(tet_ctx *ctx, void *array, size_t *capacity, size_t count, size_
 /* Looks at cancel and deadline. Cheap enough for every inserted point. */
 tet_status tet_poll(tet_ctx *ctx);
 
+/* What tet_poll looks at, for any thread: 1 if the run is to end. Records nothing. */
+int tet_is_stopping(const tet_ctx *ctx);
+
 /* Records an error, printf style, and returns `status`; clears old offences. */
 tet_status tet_fail(tet_ctx *ctx, tet_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

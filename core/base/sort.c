@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+#include "base/threads.h"
+
 enum { SHORT_RUN = 24 };
 
 static inline int less(const tet_keyed *a, const tet_keyed *b) {
@@ -86,18 +88,55 @@ void tet_sort_keyed(tet_keyed *items, size_t n) {
 
 enum { DIGIT = 11, DIGITS = 6, BUCKETS = 1 << DIGIT }; /* 66 bits and more than a key has */
 
-void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n) {
+static uint32_t digit_of(uint64_t key, int d) { return (uint32_t)(key >> d * DIGIT & (BUCKETS - 1)); }
+
+/* Where each bucket of digit d begins, and the end. 1 if all items are in one bucket. */
+static int find_starts(const tet_keyed *x, size_t n, int d, size_t start[BUCKETS + 1]) {
+  memset(start, 0, (BUCKETS + 1) * sizeof *start);
+  for (size_t i = 0; i < n; i++) start[digit_of(x[i].key, d) + 1]++;
+  int is_one = n && start[digit_of(x[0].key, d) + 1] == n;
+  for (int b = 0; b < BUCKETS; b++) start[b + 1] += start[b];
+  return is_one;
+}
+
+/* Digit after digit, the lowest first. */
+static void sort_digits(tet_keyed *items, tet_keyed *scratch, size_t n) {
+  size_t start[BUCKETS + 1];
   tet_keyed *from = items, *to = scratch;
   for (int d = 0; d < DIGITS; d++) {
-    size_t start[BUCKETS + 1] = {0};
-    int shift = d * DIGIT;
-    for (size_t i = 0; i < n; i++) start[(from[i].key >> shift & (BUCKETS - 1)) + 1]++;
-    if (n && start[(from[0].key >> shift & (BUCKETS - 1)) + 1] == n) continue; /* all alike */
-    for (int b = 0; b < BUCKETS; b++) start[b + 1] += start[b];
-    for (size_t i = 0; i < n; i++) to[start[from[i].key >> shift & (BUCKETS - 1)]++] = from[i];
+    if (find_starts(from, n, d, start)) continue;
+    for (size_t i = 0; i < n; i++) to[start[digit_of(from[i].key, d)]++] = from[i];
     tet_keyed *other = from;
     from = to;
     to = other;
   }
   if (from != items) memcpy(items, from, n * sizeof *items);
+}
+
+typedef struct shares {
+  tet_keyed *items, *scratch;
+  size_t end[TET_SORT_THREADS + 1]; /* of share i end[i + 1]; from end[i] on */
+} shares;
+
+static void sort_share(void *arg, uint32_t i) {
+  shares *s = arg;
+  size_t at = s->end[i], n = s->end[i + 1] - at;
+  sort_digits(s->scratch + at, s->items + at, n);
+  memcpy(s->items + at, s->scratch + at, n * sizeof *s->items);
+}
+
+void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n, uint32_t threads) {
+  size_t start[BUCKETS + 1];
+  shares s = {.items = items, .scratch = scratch};
+  if (threads > TET_SORT_THREADS) threads = TET_SORT_THREADS;
+  if (threads < 2 || find_starts(items, n, DIGITS - 1, start)) {
+    sort_digits(items, scratch, n);
+    return;
+  }
+  /* Whole buckets of the highest digit, about as many items to each thread. */
+  for (int b = 0, i = 1; b < BUCKETS; b++)
+    while (i < (int)threads && start[b + 1] >= n / threads * (size_t)i) s.end[i++] = start[b + 1];
+  s.end[threads] = n;
+  for (size_t i = 0; i < n; i++) scratch[start[digit_of(items[i].key, DIGITS - 1)]++] = items[i];
+  tet_run_threads(threads, sort_share, &s);
 }

@@ -9,6 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+enum { TET_SORT_THREADS = 64 }; /* at most */
+
 typedef struct tet_keyed {
   uint64_t key;
   uint64_t value;
@@ -18,7 +20,7 @@ typedef struct tet_keyed {
 void tet_sort_keyed(tet_keyed *items, size_t n);
 
 /* Sorts `n` items by key alone, keeping the order of equal ones; `scratch` holds `n` more.
- * Time in proportion to n: for many items of short keys. */
-void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n);
+ * Time in proportion to n, shared by `threads`: for many items. */
+void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n, uint32_t threads);
 
 #endif

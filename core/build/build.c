@@ -80,26 +80,26 @@ static double box_diagonal(const tet_points *p) {
 }
 
 /* D_0 of the vertices with keep[v]. */
-static tet_status triangulate_vertices(tet_state *st, const uint8_t *keep) {
+static tet_status triangulate_vertices(tet_state *st, const uint8_t *keep, uint32_t threads) {
   uint32_t n = 0, *ids = tet_alloc(st->ctx, st->n_input, sizeof *ids);
   if (!ids) return tet_ctx_error(st->ctx)->status;
   tet_stage_begin(st->ctx, "delaunay");
   for (uint32_t v = 0; v < st->n_input; v++)
     if (keep[v]) ids[n++] = v;
-  tet_status status = tet_delaunay(&st->complex, ids, n, 1);
+  tet_status status = tet_delaunay(&st->complex, ids, n, threads);
   if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
   tet_free(st->ctx, ids);
   return status;
 }
 
 /* Delaunay tetrahedralization of all points, facets unseen. */
-static tet_status build_delaunay(tet_state *st, tet_build_result *r) {
+static tet_status build_delaunay(tet_state *st, uint32_t threads, tet_build_result *r) {
   uint32_t n = st->n_input, *tri = NULL, *part = NULL;
   uint8_t *keep = tet_calloc(st->ctx, n, 1);
   tet_soup soup = {.ctx = st->ctx, .pls = st->pls, .points = &st->points, .same_as = r->same_as};
   tet_status status = keep ? tet_find_duplicates(&soup) : tet_ctx_error(st->ctx)->status;
   for (uint32_t v = 0; v < n && status == TET_OK; v++) keep[v] = r->same_as[v] == v;
-  if (status == TET_OK) status = triangulate_vertices(st, keep);
+  if (status == TET_OK) status = triangulate_vertices(st, keep, threads);
   if (status == TET_OK) {
     part = tet_alloc(st->ctx, st->complex.n_slots, sizeof *part);
     status = part ? TET_OK : tet_ctx_error(st->ctx)->status;
@@ -160,7 +160,8 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
   if (status != TET_OK) return status;
   count_surface(st, r);
   tet_stage_counts(st->ctx, st->n_input, 0);
-  status = triangulate_vertices(st, st->surface.used);
+  st->complex.is_canonical = 1; /* what follows walks in the order of the slots */
+  status = triangulate_vertices(st, st->surface.used, o->threads);
   if (status == TET_OK) {
     tet_stage_begin(st->ctx, "segments");
     status = tet_recover_segments(st);
@@ -189,7 +190,7 @@ static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_o
     status = r.same_as ? TET_OK : tet_ctx_error(ctx)->status;
   }
   if (status == TET_OK)
-    status = options->stage == TET_STAGE_DELAUNAY ? build_delaunay(&st, &r)
+    status = options->stage == TET_STAGE_DELAUNAY ? build_delaunay(&st, options->threads, &r)
                                                   : build_cdt(&st, options, breaks, thin, &r, ret_thin);
   st.counts.input_vertices = pls->n_points;
   st.counts.facets = pls->n_facets;

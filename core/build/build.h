@@ -16,6 +16,7 @@ typedef struct tet_build_options {
   tet_stage stage;            /* TET_STAGE_DELAUNAY, else the CDT */
   int keep_hull;              /* outside and holes stay (2.4.2) */
   double planarity_tolerance; /* absolute; 0: 1e-5 of the box's diagonal */
+  uint32_t threads;           /* of the Delaunay stage, at least 1 */
 } tet_build_options;
 
 typedef struct tet_build_result {

@@ -18,6 +18,8 @@ tet_status tet_check_options(tet_ctx *ctx, const tet_options *o) {
   if (!(o->planarity_tolerance >= 0) || !isfinite(o->planarity_tolerance))
     return tet_fail(ctx, TET_E_ARGUMENT, "a planarity tolerance of %g: it must be positive, or 0 for the default",
                     o->planarity_tolerance);
+  if (o->threads < 1 || o->threads > TET_MAX_THREADS)
+    return tet_fail(ctx, TET_E_ARGUMENT, "%u threads: there can be 1 to %d", o->threads, TET_MAX_THREADS);
   if (o->keep_hull && o->stage == TET_STAGE_REFINE)
     return tet_fail(ctx, TET_E_ARGUMENT, "the hull can be kept up to stage cdt: its faces are no facets to refine");
   return TET_OK;

@@ -14,7 +14,8 @@
 #include <string.h>
 
 void tet_options_default(tet_options *options) {
-  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .point_order = TET_ORDER_INPUT_FIRST};
+  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .point_order = TET_ORDER_INPUT_FIRST,
+                           .threads = 1};
 }
 
 static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_result *built, tet_refine_result *ret) {
@@ -78,7 +79,7 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
 
 /* From checked input to *ret_mesh. */
 static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
-  tet_build_options how = {options->stage, options->keep_hull, options->planarity_tolerance};
+  tet_build_options how = {options->stage, options->keep_hull, options->planarity_tolerance, options->threads};
   tet_build_result built;
   tet_refine_result refined = {.n_exceptions = 0};
   int refining = options->stage == TET_STAGE_REFINE;

@@ -63,18 +63,39 @@ tet_status tet_complex_new(tet_complex *c, uint32_t *ret_t) {
     if (status != TET_OK) return status;
     t = c->n_slots++;
   }
-  c->flag[t] = c->owner;
+  tet_set_flag(c, t, c->owner);
   c->n_live++;
   *ret_t = t;
   return TET_OK;
 }
 
 void tet_complex_delete(tet_complex *c, uint32_t t) {
-  c->flag[t] = TET_FLAG_FREE;
+  tet_set_flag(c, t, TET_FLAG_FREE);
   c->v[4 * (size_t)t] = c->free_slot;
   c->free_slot = t;
   c->n_free++;
   c->n_live--;
+}
+
+int tet_complex_take_block(tet_complex *c, size_t n) {
+  enum { BLOCK = 1024 };
+  if (!c->pool || n > BLOCK) return 0;
+  uint32_t next = atomic_fetch_add_explicit(&c->pool->next, BLOCK, memory_order_relaxed);
+  if (next > c->pool->end || c->pool->end - next < BLOCK) {
+    atomic_fetch_sub_explicit(&c->pool->next, BLOCK, memory_order_relaxed);
+    return 0;
+  }
+  tet_complex_give_up(c);
+  c->n_slots = next;
+  c->cap_slots = next + BLOCK;
+  return 1;
+}
+
+void tet_complex_give_up(tet_complex *c) {
+  for (; c->n_slots < c->cap_slots; c->n_slots++) {
+    c->n_live++;
+    tet_complex_delete(c, c->n_slots);
+  }
 }
 
 tet_status tet_complex_star(tet_complex *c, uint32_t a) {

@@ -18,6 +18,8 @@
 #include "exact/points.h"
 #include "mesh/pieces.h"
 
+#include <stdatomic.h>
+
 #define TET_GHOST (UINT32_MAX - 1)
 
 enum {
@@ -46,6 +48,12 @@ typedef struct tet_star_map {
   size_t cap_key, cap_handle, mask;
 } tet_star_map;
 
+/* Slots that several threads share: those from `next` on, below `end`, are nobody's yet. */
+typedef struct tet_slot_pool {
+  _Atomic uint32_t next;
+  uint32_t end;
+} tet_slot_pool;
+
 typedef struct tet_complex {
   tet_ctx *ctx;
   const tet_points *points;
@@ -60,8 +68,10 @@ typedef struct tet_complex {
   uint32_t free_slot, n_free; /* first of the free slots, chained through v[4t]; or TET_NONE */
   uint32_t last;       /* where the last walk ended */
   uint32_t random;     /* of the walk */
+  tet_slot_pool *pool; /* where a thread among several gets its slots; else NULL */
   uint8_t owner;       /* TET_FLAG_OWNER times this thread's number; 0: all is its own */
   uint8_t keep_old;    /* 1: insertions fill `old` */
+  uint8_t is_canonical; /* 1: bulk insertion is to leave slots that depend on the vertices alone */
 
   /* Scratch, and what the last change did. */
   uint32_t *cavity;    /* [n_cavity] the slots of the old tetrahedra */
@@ -92,6 +102,13 @@ tet_status tet_complex_new(tet_complex *c, uint32_t *ret_t);
 void tet_complex_delete(tet_complex *c, uint32_t t);
 /* Makes sure of room for n slots. */
 tet_status tet_complex_reserve(tet_complex *c, uint64_t n);
+
+/* Replaces a thread's fresh slots, which become free ones, by the next of its pool, at least n;
+ * 0: none left. */
+int tet_complex_take_block(tet_complex *c, size_t n);
+
+/* A thread's fresh slots become free ones. */
+void tet_complex_give_up(tet_complex *c);
 
 /* The first tetrahedron abde (positive) and its four ghosts. */
 tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t e);
@@ -140,6 +157,13 @@ tet_status tet_complex_reserve_vertices(tet_complex *c, uint32_t n);
 
 static inline int tet_is_ghost(const tet_complex *c, uint32_t t) { return c->v[4 * (size_t)t + 3] == TET_GHOST; }
 static inline int tet_is_live(const tet_complex *c, uint32_t t) { return !(c->flag[t] & TET_FLAG_FREE); }
+
+/* The flags of t, which may be another thread's: such a one has another owner, whatever else
+ * it is. Only the owner changes them. */
+static inline uint8_t tet_flag(const tet_complex *c, uint32_t t) { return __atomic_load_n(&c->flag[t], __ATOMIC_RELAXED); }
+static inline void tet_set_flag(tet_complex *c, uint32_t t, uint8_t flag) {
+  __atomic_store_n(&c->flag[t], flag, __ATOMIC_RELAXED);
+}
 
 /* Joins two face handles. */
 static inline void tet_link(tet_complex *c, uint32_t h, uint32_t g) {

@@ -13,13 +13,17 @@
 
 #include "base/hilbert.h"
 #include "base/sort.h"
+#include "base/threads.h"
 #include "exact/predicates.h"
+#include "mesh/parallel.h"
+#include "mesh/renumber.h"
 
 enum {
   FEW = 256,       /* ordering fewer would cost more than it saves */
   FIRST_ROUND = 64, /* at most */
   ROUND_BITS = 3,   /* a round is about 2^3 times as large as the one before */
-  KEYS = 256        /* at a time */
+  KEYS = 256,       /* at a time */
+  MANY = 50000      /* vertices of a round worth several threads */
 };
 
 /* A hash of the vertex number decides its round: seven eighths go into the last, and so on. */
@@ -31,30 +35,50 @@ static uint32_t mix(uint32_t x) {
   return x ^ x >> 16;
 }
 
-/* Sorts ids by round, and inside a round along the curve. */
-static tet_status order_rounds(tet_complex *c, uint32_t *ids, uint32_t n) {
-  uint32_t rounds = 1;
-  for (uint32_t size = n; size > FIRST_ROUND; size >>= ROUND_BITS) rounds++;
-  tet_keyed *item = tet_alloc(c->ctx, n, sizeof *item), *scratch = tet_alloc(c->ctx, n, sizeof *scratch);
-  tet_status status = item && scratch ? TET_OK : tet_ctx_error(c->ctx)->status;
-  if (status == TET_OK) {
-    tet_hilbert_box box = tet_hilbert_bound(c->points->x, ids, n);
-    uint32_t start[33] = {0};
-    uint64_t key[KEYS];
-    for (uint32_t i = 0; i < n; i++) {
-      if (i % KEYS == 0) tet_hilbert_keys(&box, c->points->x, ids + i, n - i < KEYS ? n - i : KEYS, key);
-      uint32_t h = mix(ids[i]), level = (h ? (uint32_t)__builtin_ctz(h) : 31) / ROUND_BITS;
-      uint64_t round = level >= rounds ? 0 : rounds - 1 - level;
-      item[i].key = key[i % KEYS];
-      item[i].value = round << 32 | ids[i];
-      start[round + 1]++;
+typedef struct ordering {
+  const double *x;
+  const uint32_t *ids;
+  tet_hilbert_box box;
+  tet_keyed *item;
+  uint32_t n, threads, rounds;
+} ordering;
+
+/* Keys, and rounds in the upper half of values, of one thread's share. */
+static void set_keys(void *arg, uint32_t i) {
+  ordering *o = arg;
+  uint64_t key[KEYS];
+  for (uint32_t at = tet_part(o->n, o->threads, i), end = tet_part(o->n, o->threads, i + 1); at < end;) {
+    uint32_t count = end - at < KEYS ? end - at : KEYS;
+    tet_hilbert_keys(&o->box, o->x, o->ids + at, count, key);
+    for (uint32_t k = 0; k < count; k++, at++) {
+      uint32_t h = mix(o->ids[at]), level = (h ? (uint32_t)__builtin_ctz(h) : 31) / ROUND_BITS;
+      uint64_t round = level >= o->rounds ? 0 : o->rounds - 1 - level;
+      o->item[at] = (tet_keyed){key[k], round << 32 | o->ids[at]};
     }
-    tet_sort_radix(item, scratch, n);
-    /* a stable counting sort by round */
-    for (uint32_t r = 1; r < 33; r++) start[r] += start[r - 1];
-    for (uint32_t i = 0; i < n; i++) ids[start[item[i].value >> 32]++] = (uint32_t)item[i].value;
   }
-  tet_free(c->ctx, item);
+}
+
+/* Sorts ids by round, and inside a round along the curve. */
+static tet_status order_rounds(tet_complex *c, uint32_t *ids, uint32_t n, uint32_t threads, tet_rounds *rounds) {
+  ordering o = {.x = c->points->x, .ids = ids, .n = n, .threads = threads, .rounds = 1};
+  for (uint32_t size = n; size > FIRST_ROUND; size >>= ROUND_BITS) o.rounds++;
+  o.item = tet_alloc(c->ctx, n, sizeof *o.item);
+  tet_keyed *scratch = tet_alloc(c->ctx, n, sizeof *scratch);
+  tet_status status = o.item && scratch ? TET_OK : tet_ctx_error(c->ctx)->status;
+  if (status == TET_OK) {
+    uint32_t at[33] = {0};
+    o.box = tet_hilbert_bound(o.x, ids, n);
+    tet_run_threads(threads, set_keys, &o);
+    tet_sort_radix(o.item, scratch, n, threads);
+    /* a stable counting sort by round */
+    for (uint32_t i = 0; i < n; i++) at[(o.item[i].value >> 32) + 1]++;
+    for (uint32_t r = 0; r < 32; r++) at[r + 1] += at[r];
+    rounds->n = o.rounds;
+    rounds->box = o.box;
+    for (uint32_t r = 0; r <= o.rounds; r++) rounds->start[r] = at[r];
+    for (uint32_t i = 0; i < n; i++) ids[at[o.item[i].value >> 32]++] = (uint32_t)o.item[i].value;
+  }
+  tet_free(c->ctx, o.item);
   tet_free(c->ctx, scratch);
   return status;
 }
@@ -94,14 +118,31 @@ static tet_status insert_rest(tet_complex *c, const uint32_t *ids, uint32_t from
   return status;
 }
 
-/* From numbers along the order of insertion back to those of the caller. */
-static void rename_vertices(tet_complex *c, const uint32_t *ids) {
-  for (uint32_t t = 0; t < c->n_slots; t++) {
+/* To numbers along the order of insertion, and back. */
+typedef struct renaming {
+  tet_complex *c;
+  const uint32_t *ids;
+  const double *from;
+  double *to;
+  uint32_t n, threads;
+} renaming;
+
+static void copy_points(void *arg, uint32_t share) {
+  const renaming *r = arg;
+  for (uint32_t i = tet_part(r->n, r->threads, share), end = tet_part(r->n, r->threads, share + 1); i < end; i++)
+    memcpy(r->to + 3 * (size_t)i, r->from + 3 * (size_t)r->ids[i], 3 * sizeof *r->to);
+}
+
+static void rename_vertices(void *arg, uint32_t share) {
+  const renaming *r = arg;
+  tet_complex *c = r->c;
+  uint32_t t = tet_part(c->n_slots, r->threads, share), end = tet_part(c->n_slots, r->threads, share + 1);
+  for (; t < end; t++) {
     if (!tet_is_live(c, t)) continue;
     for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4; h++) {
       if (c->v[h] == TET_GHOST) continue;
-      c->v[h] = ids[c->v[h]];
-      c->at[c->v[h]] = t;
+      c->v[h] = r->ids[c->v[h]];
+      __atomic_store_n(&c->at[c->v[h]], t, __ATOMIC_RELAXED); /* one of many, whichever thread's */
     }
   }
 }
@@ -109,12 +150,30 @@ static void rename_vertices(tet_complex *c, const uint32_t *ids) {
 /* Slots for n vertices: about as many tetrahedra as evenly spread points have. */
 static uint64_t usual_slots(uint32_t n) { return (uint64_t)n * 27 / 4 + 64; }
 
+/* Inserts round after round: the large ones by several threads, but for what these leave. */
+static tet_status insert_rounds(tet_complex *c, const tet_rounds *all, uint32_t threads) {
+  tet_rounds r = {.n = 0, .box = all->box};
+  tet_status status = TET_OK;
+  for (uint32_t k = 0; k < all->n && status == TET_OK; k++) {
+    uint32_t from = all->start[k], end = all->start[k + 1];
+    r.start[k] = from;
+    r.start[k + 1] = end;
+    r.n = k + 1;
+    if (threads > 1 && end - from >= MANY) status = tet_insert_round(c, &r, threads);
+    else status = insert_rest(c, NULL, from < 4 ? 4 : from, end);
+    tet_progress_report(c->ctx, (double)end / c->points->n, end, c->n_live, end);
+  }
+  return status;
+}
+
 /* The whole of tet_delaunay for many explicit vertices, ordered, and an empty complex. */
-static tet_status insert_renumbered(tet_complex *c, const uint32_t *ids, uint32_t n) {
+static tet_status insert_renumbered(tet_complex *c, const uint32_t *ids, uint32_t n, const tet_rounds *rounds,
+                                    uint32_t threads) {
   const tet_points *outer = c->points;
   double *x = tet_alloc(c->ctx, 3 * (size_t)n, sizeof *x);
   if (!x) return tet_ctx_error(c->ctx)->status;
-  for (uint32_t i = 0; i < n; i++) memcpy(x + 3 * (size_t)i, outer->x + 3 * (size_t)ids[i], 3 * sizeof *x);
+  renaming r = {.c = c, .ids = ids, .from = outer->x, .to = x, .n = n, .threads = threads};
+  tet_run_threads(threads, copy_points, &r);
   tet_points points = tet_points_explicit(x, n);
   points.max_abs = outer->max_abs;
   points.rank = ids;
@@ -124,11 +183,12 @@ static tet_status insert_renumbered(tet_complex *c, const uint32_t *ids, uint32_
   c->at = NULL;
   tet_status status = tet_complex_reserve(c, usual_slots(n));
   if (status == TET_OK) status = tet_complex_first(c, 0, 1, 2, 3);
-  if (status == TET_OK) status = insert_rest(c, NULL, 4, n);
+  if (status == TET_OK) status = insert_rounds(c, rounds, threads);
+  if (status == TET_OK && c->is_canonical && n >= MANY) status = tet_complex_renumber(c, n);
   c->points = outer;
   c->at = at;
   tet_free(c->ctx, x);
-  if (status == TET_OK) rename_vertices(c, ids);
+  if (status == TET_OK) tet_run_threads(threads, rename_vertices, &r);
   else tet_complex_clear(c);
   return status;
 }
@@ -140,16 +200,17 @@ static int all_explicit(const tet_complex *c, const uint32_t *ids, uint32_t n) {
 }
 
 tet_status tet_delaunay(tet_complex *c, uint32_t *ids, uint32_t n, uint32_t threads) {
-  (void)threads;
   uint32_t most = 0;
+  tet_rounds rounds = {0};
+  threads = threads < 1 ? 1 : threads > TET_MOST_THREADS ? TET_MOST_THREADS : threads;
   for (uint32_t i = 0; i < n; i++)
     if (ids[i] > most) most = ids[i];
   tet_status status = tet_complex_reserve_vertices(c, most + 1);
-  if (status == TET_OK && n >= FEW) status = order_rounds(c, ids, n);
+  if (status == TET_OK && n >= FEW) status = order_rounds(c, ids, n, threads, &rounds);
   if (status != TET_OK || c->n_live) return status == TET_OK ? insert_rest(c, ids, 0, n) : status;
   status = first_four(c, ids, n);
   if (status != TET_OK) return status;
-  if (n >= FEW && all_explicit(c, ids, n)) return insert_renumbered(c, ids, n);
+  if (n >= FEW && all_explicit(c, ids, n)) return insert_renumbered(c, ids, n, &rounds, threads);
   status = tet_complex_first(c, ids[0], ids[1], ids[2], ids[3]);
   return status == TET_OK ? insert_rest(c, ids, 4, n) : status;
 }

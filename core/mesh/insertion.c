@@ -83,7 +83,6 @@ static inline __attribute__((always_inline)) int in_conflict(const tet_complex *
 /* Goes on with the search for the cavity of p from its *k-th tetrahedron. */
 static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, quick_look *look) {
   const uint32_t *adj = c->adj;
-  uint8_t *flag = c->flag;
   for (; *k < c->n_cavity; ++*k) {
     if (c->cap_cavity - c->n_cavity < STEP || c->cap_border - c->n_border < STEP) return ROOM;
     uint32_t t = c->cavity[*k];
@@ -96,25 +95,25 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
     }
     for (uint32_t i = 0; i < 4; i++) {
       untested[n_untested] = i;
-      n_untested += flag[handle[i] >> 2] == c->owner;
+      n_untested += tet_flag(c, handle[i] >> 2) == c->owner;
     }
     for (uint32_t m = 0; m < n_untested; m++)
       conflict[untested[m]] = (int8_t)in_conflict(c, handle[untested[m]] >> 2, p, look);
     for (uint32_t i = 0; i < 4; i++) {
       uint32_t h = handle[i], o = h >> 2;
-      uint8_t f = flag[o];
+      uint8_t f = tet_flag(c, o);
       if (f == c->owner) {
         if (conflict[i]) {
-          flag[o] = f | TET_FLAG_CAVITY;
+          tet_set_flag(c, o, f | TET_FLAG_CAVITY);
           c->cavity[c->n_cavity++] = o;
           __builtin_prefetch(adj + 4 * (size_t)o);
           continue;
         }
-        flag[o] = f | TET_FLAG_MARK;
+        tet_set_flag(c, o, f | TET_FLAG_MARK);
+      } else if ((f & ~(TET_FLAG_CAVITY | TET_FLAG_MARK)) != c->owner) {
+        return WALL;
       } else if (f & TET_FLAG_CAVITY) {
         continue;
-      } else if (!(f & TET_FLAG_MARK)) {
-        return WALL;
       }
       __builtin_prefetch(adj + h, 1);
       tet_border *b = &c->border[c->n_border++];
@@ -137,8 +136,8 @@ TET_AVX2 static outcome search_avx2(tet_complex *c, size_t *k, uint32_t p) {
 
 /* Takes the marks of an abandoned search away. */
 static void forget(tet_complex *c) {
-  for (size_t k = 0; k < c->n_cavity; k++) c->flag[c->cavity[k]] = c->owner;
-  for (size_t k = 0; k < c->n_border; k++) c->flag[c->border[k].outer >> 2] = c->owner;
+  for (size_t k = 0; k < c->n_cavity; k++) tet_set_flag(c, c->cavity[k], c->owner);
+  for (size_t k = 0; k < c->n_border; k++) tet_set_flag(c, c->border[k].outer >> 2, c->owner);
 }
 
 static tet_status make_room(tet_complex *c) {
@@ -154,7 +153,7 @@ static outcome collect(tet_complex *c, uint32_t t, uint32_t p, size_t *k) {
     c->n_border = 0;
     c->n_cavity = 1;
     c->cavity[0] = t;
-    c->flag[t] = c->owner | TET_FLAG_CAVITY;
+    tet_set_flag(c, t, c->owner | TET_FLAG_CAVITY);
   }
   if (c->points->first_implicit < c->points->n) return search_any(c, k, p);
 #if TET_HAVE_AVX2
@@ -238,7 +237,8 @@ static void fill(tet_complex *c) {
     const tet_border *b = &c->border[k];
     uint32_t n = slot[k], h = 4 * n + b->place;
     memcpy(c->v + 4 * (size_t)n, b->v, sizeof b->v);
-    c->flag[n] = c->flag[b->outer >> 2] = c->owner;
+    tet_set_flag(c, n, c->owner);
+    tet_set_flag(c, b->outer >> 2, c->owner);
     tet_link(c, h, b->outer);
   }
   if (is_small(c)) join_small(c, slot);
@@ -284,17 +284,24 @@ tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
   return status;
 }
 
+/* tet_complex_conflict, and 0 too for a ghost that has to ask another thread's tetrahedron. */
+static int is_owned_conflict(const tet_complex *c, uint32_t t, uint32_t p) {
+  if (tet_is_ghost(c, t) && tet_flag(c, c->adj[4 * (size_t)t + 3] >> 2) != c->owner) return 0;
+  return tet_complex_conflict(c, t, p);
+}
+
 /* 1 if prepare has nothing to ask the context for. */
-static int has_room(const tet_complex *c) {
+static int has_room(tet_complex *c) {
   size_t more = c->n_border > c->n_cavity ? c->n_border - c->n_cavity : 0;
-  return is_small(c) && c->n_border <= c->cap_cavity && more <= (c->cap_slots - c->n_slots) + (size_t)c->n_free;
+  if (!is_small(c) || c->n_border > c->cap_cavity) return 0;
+  return more <= (c->cap_slots - c->n_slots) + (size_t)c->n_free || tet_complex_take_block(c, more);
 }
 
 tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
   size_t k = 0;
-  uint32_t t = tet_complex_approach(c, c->last, p);
+  uint32_t t = c->last = tet_complex_approach(c, c->last, p);
   *ret_done = 0;
-  if (c->flag[t] != c->owner || !tet_complex_conflict(c, t, p)) return TET_OK;
+  if (!is_owned_conflict(c, t, p)) return TET_OK;
   if (collect(c, t, p, &k) != DONE || !has_room(c)) {
     forget(c);
     return TET_OK;

@@ -19,29 +19,29 @@ static inline uint32_t next_random(uint32_t *state) {
   return *state = x;
 }
 
-/* The finite tetrahedron from which to walk. */
+/* The finite tetrahedron from which to walk; a ghost where that is another thread's. */
 static uint32_t start(const tet_complex *c, uint32_t from) {
   uint32_t t = from != TET_NONE ? from : c->last;
-  return tet_is_ghost(c, t) ? c->adj[4 * (size_t)t + 3] >> 2 : t;
+  if (!tet_is_ghost(c, t)) return t;
+  uint32_t inner = c->adj[4 * (size_t)t + 3] >> 2;
+  return tet_flag(c, inner) == c->owner ? inner : t;
 }
 
 uint32_t tet_complex_approach(tet_complex *c, uint32_t from, uint32_t p) {
   const double *x = c->points->x, *xp = x + 3 * (size_t)p;
   uint32_t t = start(c, from), entered = 4;
-  for (int steps = 0; steps < ROUGH_STEPS; steps++) {
-    const uint32_t *v = c->v + 4 * (size_t)t;
+  for (int steps = 0; steps < ROUGH_STEPS && !tet_is_ghost(c, t); steps++) {
+    const uint32_t *v = c->v + 4 * (size_t)t, *adj = c->adj + 4 * (size_t)t;
     uint32_t i = 0;
     for (; i < 4; i++) {
-      if (i == entered) continue;
       const uint8_t *f = tet_face[i];
-      if (tet_rough_orient3d(x + 3 * (size_t)v[f[0]], x + 3 * (size_t)v[f[1]], x + 3 * (size_t)v[f[2]], xp) > 0) break;
+      if (i == entered) continue;
+      if (tet_rough_orient3d(x + 3 * (size_t)v[f[0]], x + 3 * (size_t)v[f[1]], x + 3 * (size_t)v[f[2]], xp) > 0 &&
+          tet_flag(c, adj[i] >> 2) == c->owner) break;
     }
     if (i == 4) break;
-    uint32_t h = c->adj[4 * (size_t)t + i];
-    if (c->flag[h >> 2] != c->owner) break;
-    t = h >> 2;
-    entered = h & 3;
-    if (c->v[4 * (size_t)t + 3] == TET_GHOST) break;
+    t = adj[i] >> 2;
+    entered = adj[i] & 3;
   }
   return t;
 }

@@ -13,6 +13,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include "protocol/options.h"
 #include "server/daemon/config_parts.h"
 #include "server/daemon/limits.h"
 
@@ -35,6 +36,7 @@ static const limit_row limit_rows[] = {
     LIMIT(result_bytes, 1, UINT64_C(1) << 53),
     LIMIT(result_ttl_ms, 1, UINT64_C(1) << 53),
     LIMIT(stall_ms, 100, UINT64_C(1) << 53),
+    LIMIT(threads, 1, TP_MAX_THREADS),
     LIMIT(memory_bytes, 1, UINT64_C(1) << 53),
     LIMIT(worker_memory_bytes, 0, UINT64_C(1) << 53),
 };
@@ -100,6 +102,7 @@ void config_init(config *cfg) {
                  .result_bytes = 8192 * mib,
                  .result_ttl_ms = 3600000,
                  .stall_ms = 30000,
+                 .threads = 0,
                  .memory_bytes = 0,
                  .worker_memory_bytes = UINT64_MAX},
   };
@@ -278,6 +281,11 @@ bool config_finish(config *cfg, char error[CONFIG_ERROR]) {
       return config_fail(error, "no memory");
   }
   if (!cfg->workers) cfg->workers = cfg->inherit_fd >= 0 ? 1 : processors();
+  if (!limits->threads) {
+    limits->threads = processors() / cfg->workers;
+    if (limits->threads < 1) limits->threads = 1;
+    if (limits->threads > TP_MAX_THREADS) limits->threads = TP_MAX_THREADS;
+  }
   uint64_t physical = physical_memory();
   if (limits->worker_memory_bytes == UINT64_MAX) limits->worker_memory_bytes = physical / 8 * 7;
   if (!limits->memory_bytes) {

@@ -32,6 +32,7 @@ typedef struct config_limits {
   uint64_t result_bytes;        /* in the spool */
   uint64_t result_ttl_ms;
   uint64_t stall_ms;
+  uint64_t threads;             /* of one job, at most */
   uint64_t memory_bytes;        /* the engine's budget for one job */
   uint64_t worker_memory_bytes; /* RLIMIT_DATA of a worker; 0: none */
 } config_limits;

@@ -69,6 +69,8 @@ static char *input_text(const server *s, const json_t *params, const tp_options 
   if (options->memory_bytes && options->memory_bytes < budget) budget = options->memory_bytes;
   const json_t *given = json_object_get(params, "options");
   json_t *copy = given ? json_copy((json_t *)(uintptr_t)given) : json_object();
+  if (options->threads > s->config->limits.threads)
+    json_object_set_new(copy, "threads", json_integer((json_int_t)s->config->limits.threads));
   json_object_set_new(copy, "memory_bytes", json_integer((json_int_t)budget));
   json_t *input = json_pack("{s:O, s:o}", "pls", json_object_get(params, "pls"), "options", copy);
   char *text = input ? json_dumps(input, JSON_COMPACT) : NULL;

@@ -85,6 +85,7 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   ret_options->planarity_tolerance = from->planarity_tolerance;
   ret_options->neighbours = from->neighbours;
   ret_options->seed = from->seed;
+  ret_options->threads = (uint32_t)from->threads;
   ret_options->point_order =
       from->point_order == TP_ORDER_HILBERT ? TET_ORDER_HILBERT : TET_ORDER_INPUT_FIRST;
 }

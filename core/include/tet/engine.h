@@ -29,6 +29,8 @@ typedef enum tet_point_order {
   TET_ORDER_HILBERT = 1      /* all vertices along a Hilbert curve */
 } tet_point_order;
 
+enum { TET_MAX_THREADS = 31 };
+
 typedef struct tet_options {
   tet_stage stage;
   double radius_edge;          /* bound rho_0; >= 1; default 2.0 */
@@ -38,6 +40,8 @@ typedef struct tet_options {
   int neighbours;              /* deliver the neighbours array */
   tet_point_order point_order; /* with HILBERT, point_same_as gives each input vertex's row */
   uint64_t seed;               /* of the insertion order; the result does not depend on it */
+  uint32_t threads;            /* that the run may use, 1 to TET_MAX_THREADS; default 1. The result does not
+                                  depend on it. Used for the Delaunay stage of many points so far */
 } tet_options;
 
 void tet_options_default(tet_options *options);

@@ -42,6 +42,8 @@ static void refusals_name_the_option(void **state) {
       {"{\"planarity_tolerance\":-1e-9}", "options.planarity_tolerance"},
       {"{\"seed\":-1}", "options.seed"},
       {"{\"seed\":1.0}", "options.seed"},
+      {"{\"threads\":0}", "options.threads"},
+      {"{\"threads\":32}", "options.threads"},
       {"{\"memory_bytes\":0}", "options.memory_bytes"},
       {"{\"max_vertices\":9007199254740993}", "options.max_vertices"},
       {"{\"point_order\":\"random\"}", "options.point_order"},
@@ -70,6 +72,7 @@ static void what_is_written_is_read(void **state) {
                              .seed = UINT64_C(1) << 53,
                              .neighbours = true,
                              .point_order = TP_ORDER_INPUT_FIRST,
+                             .threads = 31,
                              .memory_bytes = 1,
                              .max_vertices = 3};
   tp_options read;
@@ -78,14 +81,14 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(json_object_size(json), 0);
   json_decref(json);
   json = tp_options_json(&wanted);
-  assert_int_equal(json_object_size(json), 9);
+  assert_int_equal(json_object_size(json), 10);
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&
               read.max_volume == wanted.max_volume && read.keep_hull && read.neighbours &&
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
               read.point_order == wanted.point_order && read.memory_bytes == 1 &&
-              read.max_vertices == 3);
+              read.max_vertices == 3 && read.threads == 31);
   assert_int_equal(parse("{\"stage\":\"cdt\"}", &read, NULL), TP_OK);
   assert_int_equal(read.stage, TP_STAGE_CDT);
   assert_string_equal(tp_stage_name(TP_STAGE_DELAUNAY), "delaunay");

@@ -74,6 +74,7 @@ typedef struct tetrad_options {
     int neighbours;             /* deliver the array `neighbours` */
     const char *point_order;    /* "hilbert" (default), "input_first" */
     uint64_t seed;
+    uint64_t threads;           /* that meshing may use */
     uint64_t memory_bytes;
     uint64_t max_vertices;
     const char *codec;          /* of the result: "raw", "zlib", "mesh"; default: "raw" on
