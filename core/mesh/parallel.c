@@ -40,7 +40,7 @@ typedef struct job {
   worker *worker;   /* [threads] */
   uint32_t *todo;   /* [n_todo] of all, along the curve */
   uint32_t n_todo;
-  uint32_t *hint;   /* [vertices / HINT] a tetrahedron made of late by one of as many vertices */
+  _Atomic uint32_t *hint; /* [vertices / HINT] a tetrahedron made of late by one of as many vertices */
 } job;
 
 static uint64_t key_of(const job *j, uint32_t v) { return tet_hilbert_key(&j->rounds->box, j->c->points->x + 3 * (size_t)v); }
@@ -112,7 +112,7 @@ static void disown(void *arg, uint32_t i) {
 
 /* Where to start a walk to v: near it if there is something of this thread, else TET_NONE. */
 static uint32_t hint_for(const job *j, const tet_complex *view, uint32_t v) {
-  uint32_t t = j->hint[v / HINT];
+  uint32_t t = atomic_load_explicit(&j->hint[v / HINT], memory_order_relaxed);
   return t != TET_NONE && tet_flag(view, t) == view->owner ? t : TET_NONE;
 }
 
@@ -130,7 +130,7 @@ static void insert(void *arg, uint32_t i) {
     w->status = tet_complex_insert_owned(&w->view, v, &done);
     if (done) before = v;
     else w->todo[rest++] = v;
-    if (done && v % HINT == 0) j->hint[v / HINT] = w->view.last;
+    if (done && v % HINT == 0) atomic_store_explicit(&j->hint[v / HINT], w->view.last, memory_order_relaxed);
   }
   for (; k < w->n_todo; k++) w->todo[rest++] = w->todo[k];
   w->n_todo = rest;
@@ -227,7 +227,7 @@ tet_status tet_insert_round(tet_complex *c, const tet_rounds *rounds, uint32_t t
   j.todo = tet_alloc(c->ctx, end - first, sizeof *j.todo);
   j.hint = tet_alloc(c->ctx, end / HINT + 1, sizeof *j.hint);
   if (!j.part || !j.worker || !j.todo || !j.hint) status = tet_ctx_error(c->ctx)->status;
-  if (status == TET_OK) memset(j.hint, 0xff, (end / HINT + 1) * sizeof *j.hint);
+  for (uint32_t i = 0; i <= end / HINT && status == TET_OK; i++) atomic_init(&j.hint[i], TET_NONE);
   for (uint32_t v = first; v < end && status == TET_OK; v++) j.todo[j.n_todo++] = v;
   for (int pass = 0; pass < PASSES && j.n_todo > LEAST * threads && status == TET_OK; pass++)
     status = insert_pass(&j, pass);
