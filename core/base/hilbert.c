@@ -70,7 +70,7 @@ void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const ui
   for (uint32_t from = 0; from < n; from += LANES) {
     uint32_t count = n - from < LANES ? n - from : LANES;
     for (int k = 0; k < 3; k++)
-      for (uint32_t i = 0; i < LANES; i++) x[k][i] = i < count ? cell(box, points + 3 * (size_t)ids[from + i], k) : 0;
+      for (uint32_t i = 0; i < LANES; i++) x[k][i] = i < count ? cell(box, points + 3 * (size_t)(ids ? ids[from + i] : from + i), k) : 0;
     transpose(x);
     for (uint32_t i = 0; i < count; i++)
       keys[from + i] = spread(x[0][i]) << 2 | spread(x[1][i]) << 1 | spread(x[2][i]);
@@ -79,7 +79,6 @@ void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const ui
 
 uint64_t tet_hilbert_key(const tet_hilbert_box *box, const double p[3]) {
   uint64_t key;
-  const uint32_t first = 0;
-  tet_hilbert_keys(box, p, &first, 1, &key);
+  tet_hilbert_keys(box, p, NULL, 1, &key);
   return key;
 }

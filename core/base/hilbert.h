@@ -5,6 +5,8 @@
 
 #include <stdint.h>
 
+#define TET_HILBERT_CELLS 0x1p21 /* to a side of the cube */
+
 /* A cube that the curve fills. */
 typedef struct tet_hilbert_box {
   double low[3];
@@ -19,7 +21,8 @@ tet_hilbert_box tet_hilbert_bound(const double *points, const uint32_t *ids, uin
  * Points out of the box get the nearest cell's. */
 uint64_t tet_hilbert_key(const tet_hilbert_box *box, const double p[3]);
 
-/* The keys of `n` points, those of rows ids[0 .. n-1] of `points`: several times as fast. */
+/* The keys of `n` points, those of rows ids[0 .. n-1] of `points`, or with NULL of the first n:
+ * several times as fast. */
 void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const uint32_t *ids, uint32_t n,
                       uint64_t *keys);
 

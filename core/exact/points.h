@@ -33,6 +33,7 @@ typedef struct tet_points {
   const uint32_t *rank; /* the number by which a vertex is perturbed; NULL: its own */
   double grain3, grain5; /* third and fifth power of a number of which all explicit
                             coordinates are multiples (tet_points_find_grain); 0: unknown */
+  struct tet_tally *tally; /* tally.h: where calls are counted; NULL: nowhere */
 } tet_points;
 
 /** A view of n explicit vertices, of unknown grain. */

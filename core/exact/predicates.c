@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The predicates: filter.h first; where the filter cannot tell, grid_stage.c if the
+// The predicates: quick.h or filter.h first; where these cannot tell, grid_stage.c if the
 // points fit its grid; else exact_stage.c. The symbolic perturbation of insphere is
 // here as well; it perturbs the lifted weights by vertex number (Devillers, Teillaud
 // 2011), and nothing else.
@@ -9,6 +9,7 @@
 #include "exact/filter.h"
 #include "exact/grid_stage.h"
 #include "exact/quick.h"
+#include "exact/tally.h"
 
 static const double *xyz(const tet_points *p, uint32_t v) {
   return p->x + 3 * (size_t)v;
@@ -30,24 +31,30 @@ static inline void make_refs(const tet_points *p, const uint32_t *v, int n, tet_
 
 /* orient3d */
 
-static int orient3d_exact(const tet_point_ref point[4]) {
+/* p is NULL where nobody counts. */
+static int orient3d_exact(const tet_points *p, const tet_point_ref point[4]) {
   int sign;
-  return tet_grid_orient3d(point, &sign) ? sign : tet_exact_orient3d(point);
+  if (tet_grid_orient3d(point, &sign))
+    return sign;
+  tet_count(p, TET_TALLIED_DYADIC);
+  return tet_exact_orient3d(point);
 }
 
-static __attribute__((noinline)) int orient3d_explicit_exact(const double *a, const double *b,
-                                                             const double *c, const double *d) {
+static __attribute__((noinline)) int orient3d_explicit_exact(const tet_points *p, const double *a,
+                                                             const double *b, const double *c,
+                                                             const double *d) {
+  tet_count(p, TET_TALLIED_ORIENT3D_EXACT);
   for (int k = 0; k < 3; k++) { /* in an axis plane, as often in made-up models */
     if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k])
       return 0;
   }
   tet_point_ref ref[4] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d)};
-  return orient3d_exact(ref);
+  return orient3d_exact(p, ref);
 }
 
 int tet_orient3d_xyz(const double *a, const double *b, const double *c, const double *d) {
   int sign = tet_quick_orient3d(a, b, c, d, 0);
-  return sign != TET_UNSURE ? sign : orient3d_explicit_exact(a, b, c, d);
+  return sign != TET_UNSURE ? sign : orient3d_explicit_exact(NULL, a, b, c, d);
 }
 
 static __attribute__((noinline)) int orient3d_implicit(const tet_points *p, const uint32_t v[4]) {
@@ -59,7 +66,7 @@ static __attribute__((noinline)) int orient3d_implicit(const tet_points *p, cons
     return sign;
   tet_point_ref ref[4];
   make_refs(p, v, 4, ref);
-  return orient3d_exact(ref);
+  return orient3d_exact(p, ref);
 }
 
 int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
@@ -67,29 +74,54 @@ int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
     const uint32_t v[4] = {a, b, c, d};
     return orient3d_implicit(p, v);
   }
-  int sign = tet_quick_orient3d(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), p->grain3);
-  return sign != TET_UNSURE ? sign : orient3d_explicit_exact(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d));
+  const double *xa = xyz(p, a), *xb = xyz(p, b), *xc = xyz(p, c), *xd = xyz(p, d);
+  int sign = tet_quick_orient3d(xa, xb, xc, xd, p->grain3);
+  tet_count(p, TET_TALLIED_ORIENT3D);
+  return sign != TET_UNSURE ? sign : orient3d_explicit_exact(p, xa, xb, xc, xd);
 }
 
 /* insphere */
 
-static int insphere_exact(const tet_point_ref point[5]) {
+static int insphere_exact(const tet_points *p, const tet_point_ref point[5]) {
   int sign;
-  return tet_grid_insphere(point, &sign) ? sign : tet_exact_insphere(point);
+  if (tet_grid_insphere(point, &sign))
+    return sign;
+  tet_count(p, TET_TALLIED_DYADIC);
+  return tet_exact_insphere(point);
 }
 
-static __attribute__((noinline)) int insphere_explicit_exact(const double *a, const double *b,
-                                                             const double *c, const double *d,
-                                                             const double *e) {
+/* 1 if the points take at most two values on each axis: corners of a box, and so of a sphere. That
+ * is how ties look on any grid of planes, also where its coordinates were rounded. */
+static int on_box(const double *const x[5]) {
+  for (int k = 0; k < 3; k++) {
+    double one = x[0][k], other = one;
+    for (int i = 1; i < 5; i++) {
+      if (x[i][k] == one || x[i][k] == other)
+        continue;
+      if (other != one)
+        return 0;
+      other = x[i][k];
+    }
+  }
+  return 1;
+}
+
+static __attribute__((noinline)) int insphere_explicit_exact(const tet_points *p, const double *a,
+                                                             const double *b, const double *c,
+                                                             const double *d, const double *e) {
+  const double *const x[5] = {a, b, c, d, e};
+  tet_count(p, TET_TALLIED_INSPHERE_EXACT);
+  if (on_box(x))
+    return 0;
   tet_point_ref ref[5] = {tet_ref_xyz(a), tet_ref_xyz(b), tet_ref_xyz(c), tet_ref_xyz(d),
                           tet_ref_xyz(e)};
-  return insphere_exact(ref);
+  return insphere_exact(p, ref);
 }
 
 int tet_insphere_xyz(const double *a, const double *b, const double *c, const double *d,
                      const double *e) {
   int sign = tet_quick_insphere(a, b, c, d, e, 0);
-  return sign != TET_UNSURE ? sign : insphere_explicit_exact(a, b, c, d, e);
+  return sign != TET_UNSURE ? sign : insphere_explicit_exact(NULL, a, b, c, d, e);
 }
 
 static __attribute__((noinline)) int insphere_implicit(const tet_points *p, const uint32_t v[5]) {
@@ -102,7 +134,7 @@ static __attribute__((noinline)) int insphere_implicit(const tet_points *p, cons
     return sign;
   tet_point_ref ref[5];
   make_refs(p, v, 5, ref);
-  return insphere_exact(ref);
+  return insphere_exact(p, ref);
 }
 
 int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d, uint32_t e) {
@@ -110,9 +142,10 @@ int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
     const uint32_t v[5] = {a, b, c, d, e};
     return insphere_implicit(p, v);
   }
-  int sign = tet_quick_insphere(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e), p->grain5);
-  return sign != TET_UNSURE ? sign
-                            : insphere_explicit_exact(xyz(p, a), xyz(p, b), xyz(p, c), xyz(p, d), xyz(p, e));
+  const double *xa = xyz(p, a), *xb = xyz(p, b), *xc = xyz(p, c), *xd = xyz(p, d), *xe = xyz(p, e);
+  int sign = tet_quick_insphere(xa, xb, xc, xd, xe, p->grain5);
+  tet_count(p, TET_TALLIED_INSPHERE);
+  return sign != TET_UNSURE ? sign : insphere_explicit_exact(p, xa, xb, xc, xd, xe);
 }
 
 /* The lifted height of vertex v is raised by epsilon(v), where epsilon(v) is larger
@@ -123,6 +156,7 @@ int tet_insphere(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32
 int tet_insphere_tie(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d, uint32_t e) {
   const uint32_t v[5] = {a, b, c, d, e};
   uint32_t rank[5];
+  tet_count(p, TET_TALLIED_TIE);
   for (int i = 0; i < 5; i++)
     rank[i] = p->rank ? p->rank[v[i]] : v[i];
   int order[5] = {0, 1, 2, 3, 4}; /* places in v, by falling rank */

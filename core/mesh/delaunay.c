@@ -147,9 +147,6 @@ static void rename_vertices(void *arg, uint32_t share) {
   }
 }
 
-/* Slots for n vertices: about as many tetrahedra as evenly spread points have. */
-static uint64_t usual_slots(uint32_t n) { return (uint64_t)n * 27 / 4 + 64; }
-
 /* Inserts round after round: the large ones by several threads, but for what these leave. */
 static tet_status insert_rounds(tet_complex *c, const tet_rounds *all, uint32_t threads) {
   tet_rounds r = {.n = 0, .box = all->box};
@@ -177,12 +174,12 @@ static tet_status insert_renumbered(tet_complex *c, const uint32_t *ids, uint32_
   tet_points points = tet_points_explicit(x, n);
   points.max_abs = outer->max_abs;
   points.rank = ids;
+  points.tally = outer->tally;
   tet_points_find_grain(&points);
   c->points = &points;
   uint32_t *at = c->at;
   c->at = NULL;
-  tet_status status = tet_complex_reserve(c, usual_slots(n));
-  if (status == TET_OK) status = tet_complex_first(c, 0, 1, 2, 3);
+  tet_status status = tet_complex_first(c, 0, 1, 2, 3);
   if (status == TET_OK) status = insert_rounds(c, rounds, threads);
   if (status == TET_OK && c->is_canonical && n >= MANY) status = tet_complex_renumber(c, n);
   c->points = outer;

@@ -14,6 +14,7 @@
 
 #include "exact/predicates.h"
 #include "exact/quick.h"
+#include "exact/tally.h"
 #include "mesh/complex.h"
 
 typedef enum outcome {
@@ -77,6 +78,7 @@ static inline __attribute__((always_inline)) int in_conflict(const tet_complex *
   const double *x = c->points->x;
   int sign = look(x + 3 * (size_t)v[0], x + 3 * (size_t)v[1], x + 3 * (size_t)v[2], x + 3 * (size_t)v[3],
                   x + 3 * (size_t)p, c->points->grain5);
+  tet_count(c->points, TET_TALLIED_INSPHERE);
   return __builtin_expect(sign & 1, 1) ? sign > 0 : slow_conflict(c, t, p, sign);
 }
 

@@ -2,19 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the benchmarks and prints what they measured beside the peers that are installed.
 
-    bench.py FOLDER-OF-THE-PROGRAMS [POINTS]
+    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|codec ...] [--repeat N] [--small]
 
-Nothing here fails by the clock; a program that does not work is a failure.
+Ours and a peer's runs take turns, as machines are shared and noisy; a row gives medians,
+and the ratio is that of the medians. --small divides all sizes by ten. Nothing here fails by
+the clock; a program that does not work is a failure.
 """
 
+import argparse
+import os
 import pathlib
 import re
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
 
-SEED = "1"
+KERNEL = [("cube", 100_000), ("cube", 1_000_000), ("cube", 4_000_000), ("clusters", 1_000_000), ("planes", 200_000),
+          ("grid", 262_144), ("lattice", 262_144), ("sphere", 200_000), ("circle", 2_000)]
+REMOVAL = [("cube", 1_000_000), ("clusters", 200_000), ("planes", 200_000), ("grid", 262_144), ("sphere", 200_000),
+           ("circle", 2_000)]
 
 
 def output(*command):
@@ -30,31 +38,120 @@ def pairs(line):
     return {k: float(v) for k, v in zip(words[::2], words[1::2])}
 
 
-def delaunay(programs, points):
-    print(f"Delaunay tetrahedralization of {points} random points")
-    with tempfile.TemporaryDirectory() as scratch:
-        node = pathlib.Path(scratch, "points.node")
-        ours = pairs(output(programs / "bench_delaunay", points, SEED, node))
-        print(f"  {'tetrad':<10} {ours['delaunay']:8.3f} s  {ours['tetrahedra']:>10.0f} tetrahedra")
-        rows = []
-        if shutil.which("tetgen"):
-            said = output("tetgen", "-NEF", node)
-            seconds = re.search(r"Delaunay seconds:\s*([\d.e-]+)", said)
-            count = re.search(r"Mesh tetrahedra: (\d+)", said)
-            rows.append(("tetgen", float(seconds.group(1)), float(count.group(1)) if count else 0))
-        if (programs / "peer_cgal").exists():
-            cgal = pairs(output(programs / "peer_cgal", node))
-            rows.append(("CGAL", cgal["delaunay"], cgal["tetrahedra"]))
-        for name, seconds, count in rows:
-            print(f"  {name:<10} {seconds:8.3f} s  {count:>10.0f} tetrahedra"
-                  f"  tetrad takes {ours['delaunay'] / seconds:.2f} of its time")
-        if not rows:
-            print("  no peer is installed (tetgen, CGAL)")
+class Bench:
+    """The programs, a folder for files, and how often and how large to run."""
+
+    def __init__(self, programs, scratch, repeat, small):
+        self.programs, self.scratch, self.repeat, self.small = programs, scratch, repeat, small
+        self.cgal = (programs / "peer_cgal") if (programs / "peer_cgal").exists() else None
+
+    def sized(self, points):
+        return points // 10 if self.small else points
+
+    def kernel(self, *arguments):
+        return pairs(output(self.programs / "bench_kernel", *arguments))
+
+    def written(self, what, family, points):
+        path = self.scratch / f"{family}-{points}-{what}"
+        if not path.exists():
+            output(self.programs / "bench_kernel", family, points, what, path)
+        return path
+
+    def turns(self, *runs):
+        """Calls each of `runs` in turn, `repeat` times; a list of results for each."""
+        results = [[] for _ in runs]
+        for _ in range(self.repeat):
+            for run, found in zip(runs, results):
+                found.append(run())
+        return results
 
 
-def codec(programs, points):
+def median(rows, name="seconds"):
+    return statistics.median(row[name] for row in rows)
+
+
+def kernel(b):
+    print(f"Delaunay tetrahedralization, one thread, CPU seconds (medians of {b.repeat}; ratio: CGAL's by ours)")
+    for family, points in KERNEL:
+        points = b.sized(points)
+        runs = [lambda f=family, n=points: b.kernel(f, n)]
+        if b.cgal:
+            path = b.written("write", family, points)
+            runs.append(lambda p=path: pairs(output(b.cgal, p)))
+        results = b.turns(*runs)
+        ours = results[0]
+        line = (f"  {family:<9}{points:>9}  {median(ours):8.3f} s {ours[0]['tetrahedra']:>10.0f} tetrahedra"
+                f" {ours[0]['bytes_per_tetrahedron']:6.1f} B each")
+        if b.cgal:
+            line += f"   CGAL {median(results[1]):8.3f} s  {median(results[1]) / median(ours):5.2f}"
+        print(line, flush=True)
+    if shutil.which("tetgen"):
+        tetgen(b)
+
+
+def tetgen(b):
+    points = b.sized(1_000_000)
+    data = b.written("write", "cube", points).read_bytes()
+    node = b.scratch / "cube.node"
+    values = memoryview(data).cast("d")
+    with open(node, "w", encoding="ascii") as f:
+        f.write(f"{points} 3 0 0\n")
+        for i in range(points):
+            f.write(f"{i} {values[3 * i]!r} {values[3 * i + 1]!r} {values[3 * i + 2]!r}\n")
+
+    def run():
+        said = output("tetgen", "-NEFV", node)
+        return {"seconds": float(re.search(r"Delaunay seconds:\s*([\d.e-]+)", said).group(1))}
+
+    ours, theirs = b.turns(lambda: b.kernel("cube", points), run)
+    print(f"  cube     {points:>9}  {median(ours):8.3f} s   TetGen {median(theirs):8.3f} s"
+          f"  {median(theirs) / median(ours):5.2f}", flush=True)
+
+
+def removal(b):
+    print("Removal of half the vertices in random order, one thread (thousands a second; ratio to CGAL's)")
+    for family, points in REMOVAL:
+        points = b.sized(points)
+        order = b.written("order", family, points)
+        count = order.stat().st_size // 4 // 2
+        runs = [lambda f=family, n=points, c=count: b.kernel(f, n, "remove", c)]
+        if b.cgal:
+            path = b.written("write", family, points)
+            runs.append(lambda p=path, o=order, c=count: pairs(output(b.cgal, p, o, c)))
+        results = b.turns(*runs)
+        rates = [1e-3 * count / median(rows) for rows in results]
+        line = f"  {family:<9}{points:>9}  {rates[0]:8.1f}"
+        if b.cgal:
+            line += f"   CGAL {rates[1]:8.1f}  {rates[0] / rates[1]:5.2f}"
+            if results[0][0]["tetrahedra"] != results[1][0]["tetrahedra"]:
+                line += "   (another number of tetrahedra: ties are broken otherwise)"
+        print(line, flush=True)
+
+
+def threads(b):
+    points = b.sized(4_000_000)
+    most = len(os.sched_getaffinity(0))
+    counts = [1] + [n for n in (2, 4, 8, 16, 31) if n <= most]
+    print(f"Threads, cube {points}, wall seconds (medians and least of {b.repeat})")
+    results = b.turns(*[lambda n=n: b.kernel("cube", points, n) for n in counts])
+    for n, rows in zip(counts, results):
+        wall, least = median(rows, "wall"), min(row["wall"] for row in rows)
+        print(f"  {n:>2}  {wall:8.3f} {least:8.3f}   {median(results[0], 'wall') / wall:5.2f} times as fast"
+              f" ({min(row['wall'] for row in results[0]) / least:.2f} by the least)", flush=True)
+
+
+def growth(b):
+    few, many = b.sized(100_000), b.sized(10_000_000)
+    print("Cost per point, cube, microseconds")
+    small, large = b.turns(lambda: b.kernel("cube", few), lambda: b.kernel("cube", many))
+    costs = [1e6 * median(small) / few, 1e6 * median(large) / many]
+    print(f"  {few}: {costs[0]:.3f}   {many}: {costs[1]:.3f}   ratio {costs[1] / costs[0]:.2f}")
+
+
+def codec(b):
+    points = b.sized(200_000)
     print(f"Codecs on the mesh of {points} random points: bytes on the wire per raw byte")
-    for line in output(programs / "bench_codec", points, SEED).splitlines():
+    for line in output(b.programs / "bench_codec", points, "1").splitlines():
         order, name, rest = line.split(" ", 2)
         row = pairs(rest)
         print(f"  {order:<12} {name:<5} {row['ratio']:6.3f}"
@@ -62,10 +159,19 @@ def codec(programs, points):
 
 
 def main():
-    programs = pathlib.Path(sys.argv[1])
-    points = sys.argv[2] if len(sys.argv) > 2 else "200000"
-    delaunay(programs, points)
-    codec(programs, points)
+    benches = {"kernel": kernel, "removal": removal, "threads": threads, "growth": growth, "codec": codec}
+    parser = argparse.ArgumentParser()
+    parser.add_argument("programs", type=pathlib.Path)
+    parser.add_argument("which", nargs="*", choices=[[], *benches], default=[])
+    parser.add_argument("--repeat", type=int, default=5)
+    parser.add_argument("--small", action="store_true")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        bench = Bench(given.programs, pathlib.Path(scratch), given.repeat, given.small)
+        if not bench.cgal:
+            print("CGAL is not installed: no ratios to it")
+        for name in given.which or benches:
+            benches[name](bench)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "exact/tally.h"
 #include "mesh/delaunay.h"
 #include "point_sets.h"
 
@@ -67,8 +68,18 @@ static int write_file(const char *path, const void *data, size_t size, size_t co
   return fclose(f) != 0;
 }
 
+#if TET_TALLY
+static void print_tally(const struct tet_tally *tally) {
+  static const char *const names[TET_TALLIED] = {"orient3d", "insphere", "orient3d_exact", "insphere_exact", "dyadic", "tie"};
+  for (int i = 0; i < TET_TALLIED; i++) printf("%s %" PRIu64 " ", names[i], tally->count[i]);
+  printf("\n");
+}
+#endif
+
 static int run(double *x, uint32_t n, uint32_t threads, uint32_t removals) {
+  static struct tet_tally tally;
   tet_points points = tet_points_explicit(x, n);
+  points.tally = &tally;
   tet_complex c;
   tet_ctx *ctx;
   uint32_t *ids = numbers(n), *order = random_order(n);
@@ -80,6 +91,9 @@ static int run(double *x, uint32_t n, uint32_t threads, uint32_t removals) {
   for (uint32_t i = 0; i < removals && status == TET_OK; i++) status = tet_complex_remove(&c, order[i]);
   if (status == TET_OK) print(&c, start);
   else fprintf(stderr, "bench_kernel: %s\n", tet_ctx_error(ctx)->message);
+#if TET_TALLY
+  print_tally(&tally);
+#endif
   tet_complex_free(&c);
   tet_ctx_free(ctx);
   free(ids);

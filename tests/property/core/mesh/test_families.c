@@ -24,7 +24,7 @@ typedef struct made {
 } made;
 
 static made make(const char *family, uint32_t n, uint64_t seed) {
-  made m;
+  made m = {.c = {.ctx = NULL}};
   double *x = point_set(family, n, seed, &n);
   assert_non_null(x);
   m.points = tet_points_explicit(x, n);
@@ -42,7 +42,7 @@ static void triangulate(made *m, uint32_t threads) {
 }
 
 static void unmake(made *m) {
-  tet_complex_free(&m->c);
+  if (m->c.ctx) tet_complex_free(&m->c);
   assert_int_equal(tet_ctx_bytes(m->ctx), 0);
   tet_ctx_free(m->ctx);
   free(m->points.x);
@@ -179,11 +179,91 @@ static void removal_leaves_the_others(void **state) {
   }
 }
 
+/* Under every budget the run ends in time, says so, and gives all back. */
+static void budgets_end_cleanly(void **state) {
+  (void)state;
+  made m = make("cube", 70000, 9);
+  for (uint32_t threads = 1; threads <= 3; threads += 2) {
+    tet_status status = TET_E_MEMORY;
+    int runs = 0;
+    for (uint64_t bytes = 1000; status != TET_OK; bytes += bytes / 8, runs++) {
+      const tet_limits limits = {.memory_bytes = bytes};
+      tet_ctx *ctx;
+      tet_complex c;
+      assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
+      tet_complex_init(&c, ctx, &m.points);
+      status = tet_delaunay(&c, m.ids, m.points.n, threads);
+      assert_true(status == TET_OK || status == TET_E_MEMORY);
+      assert_true(tet_ctx_peak_bytes(ctx) <= bytes);
+      tet_complex_free(&c);
+      assert_int_equal(tet_ctx_bytes(ctx), 0);
+      tet_ctx_free(ctx);
+    }
+    assert_true(runs > 20);
+  }
+  unmake(&m);
+}
+
+static void cancelled_runs_end(void **state) {
+  (void)state;
+  made m = make("cube", 70000, 9);
+  for (uint32_t threads = 1; threads <= 2; threads++) {
+    const tet_limits limits = {.deadline_seconds = 0.03};
+    for (int late = 0; late < 2; late++) {
+      tet_ctx *ctx;
+      tet_complex c;
+      assert_int_equal(tet_ctx_create(late ? &limits : NULL, &ctx), TET_OK);
+      tet_complex_init(&c, ctx, &m.points);
+      if (!late) tet_cancel(ctx);
+      assert_int_equal(tet_delaunay(&c, m.ids, m.points.n, threads), late ? TET_E_DEADLINE : TET_E_CANCELLED);
+      tet_complex_free(&c);
+      assert_int_equal(tet_ctx_bytes(ctx), 0);
+      tet_ctx_free(ctx);
+    }
+  }
+  unmake(&m);
+}
+
+/* A removal that does not get its memory changes nothing. */
+static void starved_removals_change_nothing(void **state) {
+  (void)state;
+  made m = make("circle", 200, 9);
+  uint32_t starved = 0;
+  for (uint64_t bytes = 10000; bytes < 20000000; bytes += bytes / 16) {
+    const tet_limits limits = {.memory_bytes = bytes};
+    tet_ctx *ctx;
+    tet_complex c;
+    assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
+    tet_complex_init(&c, ctx, &m.points);
+    if (tet_delaunay(&c, m.ids, m.points.n, 1) == TET_OK) {
+      rows before = sorted_rows(&c);
+      tet_status status = TET_OK;
+      for (uint32_t v = 0; v < 4 && status == TET_OK; v++) {
+        status = tet_complex_remove(&c, v);
+        rows after = sorted_rows(&c);
+        if (status == TET_E_MEMORY) check_same(&before, &after);
+        else assert_int_equal(status, TET_OK);
+        free(before.row);
+        before = after;
+      }
+      starved += status == TET_E_MEMORY;
+      check_laws(&c, NULL);
+      free(before.row);
+    }
+    tet_complex_free(&c);
+    assert_int_equal(tet_ctx_bytes(ctx), 0);
+    tet_ctx_free(ctx);
+  }
+  assert_true(starved > 0);
+  unmake(&m);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_family_is_delaunay),   cmocka_unit_test(a_grid_fills_its_box),
       cmocka_unit_test(threads_make_the_same),      cmocka_unit_test(late_vertices_make_the_same),
-      cmocka_unit_test(removal_leaves_the_others),
+      cmocka_unit_test(removal_leaves_the_others),  cmocka_unit_test(budgets_end_cleanly),
+      cmocka_unit_test(cancelled_runs_end),         cmocka_unit_test(starved_removals_change_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
