@@ -12,6 +12,7 @@
 #include "base/context.h"
 #include "base/hilbert.h"
 #include "base/sort.h"
+#include "base/threads.h"
 
 static uint64_t next(uint64_t *state) { /* xorshift */
   *state ^= *state << 13;
@@ -46,6 +47,96 @@ static void sorts(void **state) {
   for (size_t i = 0; i < N; i++) x[i] = (tet_keyed){i < N / 2 ? i : N - i, i};
   check_sorted(x, N); /* up and down, which is hard on median of three */
   free(x);
+}
+
+/* Radix sort is stable and by key alone, whatever the number of threads. */
+static void radix_sorts(void **state) {
+  (void)state;
+  enum { N = 30000 };
+  tet_keyed *x = malloc(N * sizeof *x), *scratch = malloc(N * sizeof *scratch);
+  uint64_t seed = 5;
+  assert_true(x && scratch);
+  for (uint32_t threads = 1; threads <= 100; threads = threads * 3 + 1)
+    for (int kind = 0; kind < 4; kind++)
+      for (size_t n = 0; n <= N; n = n * 7 + 1) {
+        uint64_t sum = 0;
+        for (size_t i = 0; i < n; i++) {
+          uint64_t r = next(&seed);
+          x[i] = (tet_keyed){kind == 0 ? r : kind == 1 ? r % 5 : kind == 2 ? r >> 12 << 43 : UINT64_MAX - i, i};
+          sum += x[i].key;
+        }
+        tet_sort_radix(x, scratch, n, threads);
+        for (size_t i = 0; i < n; i++) sum -= x[i].key;
+        assert_true(sum == 0);
+        for (size_t i = 1; i < n; i++)
+          assert_true(x[i - 1].key < x[i].key || (x[i - 1].key == x[i].key && x[i - 1].value < x[i].value));
+      }
+  free(x);
+  free(scratch);
+}
+
+static void mark(void *arg, uint32_t i) { ((uint8_t *)arg)[i]++; }
+
+static void threads_take_every_part_once(void **state) {
+  (void)state;
+  for (uint32_t n = 0; n <= 400; n += 57) {
+    uint8_t seen[512] = {0};
+    tet_run_threads(n, mark, seen);
+    for (uint32_t i = 0; i < 512; i++) assert_int_equal(seen[i], i < n);
+  }
+  for (uint32_t parts = 1; parts < 9; parts++) {
+    assert_int_equal(tet_part(UINT32_MAX, parts, 0), 0);
+    assert_int_equal(tet_part(UINT32_MAX, parts, parts), UINT32_MAX);
+    for (uint32_t i = 0; i < parts; i++) assert_true(tet_part(5, parts, i) <= tet_part(5, parts, i + 1));
+  }
+}
+
+/* Keys taken many at a time are those taken one by one. */
+static void hilbert_keys_agree(void **state) {
+  (void)state;
+  enum { N = 101 };
+  double p[3 * N];
+  uint32_t ids[N];
+  uint64_t seed = 3, keys[N], picked[N];
+  for (int i = 0; i < 3 * N; i++) p[i] = (double)(next(&seed) >> 12);
+  for (uint32_t i = 0; i < N; i++) ids[i] = N - 1 - i;
+  tet_hilbert_box box = tet_hilbert_bound(p, ids, N), same = tet_hilbert_bound(p, NULL, N);
+  assert_memory_equal(&box, &same, sizeof box);
+  tet_hilbert_keys(&box, p, NULL, N, keys);
+  tet_hilbert_keys(&box, p, ids, N, picked);
+  for (uint32_t i = 0; i < N; i++) {
+    assert_true(keys[i] == tet_hilbert_key(&box, p + 3 * (size_t)i));
+    assert_true(picked[i] == keys[N - 1 - i]);
+  }
+}
+
+/* Blocks of many megabytes grow, shrink and move with what is in them, within the budget. */
+static void large_blocks_keep_what_they_hold(void **state) {
+  (void)state;
+  const tet_limits limits = {.memory_bytes = (uint64_t)64 << 20};
+  tet_ctx *ctx;
+  assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
+  uint64_t *x = NULL, filled = 0;
+  size_t capacity = 0, before = 0;
+  for (size_t n = 1000; tet_grow(ctx, &x, &capacity, n, sizeof *x) == TET_OK; n = capacity + 1) {
+    for (; filled < capacity; filled++) x[filled] = filled * 7;
+    if (before * sizeof *x > (size_t)4 << 20) assert_true(capacity <= before + before / 16);
+    before = capacity;
+  }
+  assert_int_equal(tet_ctx_error(ctx)->status, TET_E_MEMORY);
+  assert_true(capacity * sizeof *x > limits.memory_bytes / 10 * 9);
+  for (uint64_t i = 0; i < filled; i++) assert_true(x[i] == i * 7);
+  tet_shrink(ctx, &x, &capacity, 1 << 20, sizeof *x);
+  assert_true(tet_ctx_bytes(ctx) < (uint64_t)9 << 20);
+  assert_int_equal(tet_grow(ctx, &x, &capacity, 3 << 20, sizeof *x), TET_OK);
+  for (uint64_t i = 0; i < 1 << 20; i++) assert_true(x[i] == i * 7);
+  tet_free(ctx, x);
+  uint8_t *zeroed = tet_calloc(ctx, (size_t)5 << 20, 1);
+  assert_non_null(zeroed);
+  for (size_t i = 0; i < (size_t)5 << 20; i += 511) assert_int_equal(zeroed[i], 0);
+  tet_free(ctx, zeroed);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
 }
 
 /* Along the curve through a cubic grid every step goes to a neighbouring cell. */
@@ -184,7 +275,9 @@ static void stages_gather(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(sorts),          cmocka_unit_test(hilbert_steps_are_short), cmocka_unit_test(budget_holds),
+      cmocka_unit_test(sorts),          cmocka_unit_test(radix_sorts), cmocka_unit_test(threads_take_every_part_once),
+      cmocka_unit_test(hilbert_keys_agree), cmocka_unit_test(large_blocks_keep_what_they_hold),
+      cmocka_unit_test(hilbert_steps_are_short), cmocka_unit_test(budget_holds),
       cmocka_unit_test(cancel_and_deadline), cmocka_unit_test(offenders_are_capped), cmocka_unit_test(stages_gather)};
   return cmocka_run_group_tests_name("base", tests, NULL, NULL);
 }
