@@ -23,8 +23,10 @@ typedef enum outcome {
   WALL  /* a tetrahedron of another thread */
 } outcome;
 
-/* What one tetrahedron can add to the lists. */
-enum { STEP = 4 };
+enum {
+  STEP = 4, /* what one tetrahedron can add to the lists */
+  OWNER_BITS = 0xff & ~(TET_FLAG_OWNER - 1)
+};
 
 tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t e) {
   uint32_t v[4] = {a, b, d, e}, t, ghost[4];
@@ -59,17 +61,25 @@ int tet_complex_conflict(const tet_complex *c, uint32_t t, uint32_t p) {
   return tet_insphere_sos(c->points, v[0], v[1], v[2], v[3], p) > 0;
 }
 
+enum { UNASKED = 2 }; /* neither in conflict nor not: another thread would have to be asked */
+
+/* tet_complex_conflict of a tetrahedron of this thread, or UNASKED. */
+static int owned_conflict(const tet_complex *c, uint32_t t, uint32_t p) {
+  if (tet_is_ghost(c, t) && (tet_flag(c, c->adj[4 * (size_t)t + 3] >> 2) & OWNER_BITS) != c->owner) return UNASKED;
+  return tet_complex_conflict(c, t, p);
+}
+
 /* A conflict that the first look does not settle. */
 static __attribute__((noinline)) int slow_conflict(const tet_complex *c, uint32_t t, uint32_t p, int sign) {
   const uint32_t *v = c->v + 4 * (size_t)t;
-  if (v[3] == TET_GHOST || sign == TET_UNSURE) return tet_complex_conflict(c, t, p);
+  if (v[3] == TET_GHOST || sign == TET_UNSURE) return owned_conflict(c, t, p);
   return tet_insphere_tie(c->points, v[0], v[1], v[2], v[3], p) > 0;
 }
 
 typedef int quick_look(const double *a, const double *b, const double *c, const double *d, const double *e,
                        double grain5);
 
-/* tet_complex_conflict by a first look where all points are explicit, NULL where not. */
+/* owned_conflict, by a first look where all points are explicit, NULL where not. */
 static inline __attribute__((always_inline)) int in_conflict(const tet_complex *c, uint32_t t, uint32_t p,
                                                              quick_look *look) {
   if (!look) return tet_complex_conflict(c, t, p);
@@ -105,6 +115,7 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
       uint32_t h = handle[i], o = h >> 2;
       uint8_t f = tet_flag(c, o);
       if (f == c->owner) {
+        if (conflict[i] == UNASKED) return WALL;
         if (conflict[i]) {
           tet_set_flag(c, o, f | TET_FLAG_CAVITY);
           c->cavity[c->n_cavity++] = o;
@@ -112,7 +123,7 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
           continue;
         }
         tet_set_flag(c, o, f | TET_FLAG_MARK);
-      } else if ((f & ~(TET_FLAG_CAVITY | TET_FLAG_MARK)) != c->owner) {
+      } else if ((f & OWNER_BITS) != c->owner) {
         return WALL;
       } else if (f & TET_FLAG_CAVITY) {
         continue;
@@ -286,12 +297,6 @@ tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
   return status;
 }
 
-/* tet_complex_conflict, and 0 too for a ghost that has to ask another thread's tetrahedron. */
-static int is_owned_conflict(const tet_complex *c, uint32_t t, uint32_t p) {
-  if (tet_is_ghost(c, t) && tet_flag(c, c->adj[4 * (size_t)t + 3] >> 2) != c->owner) return 0;
-  return tet_complex_conflict(c, t, p);
-}
-
 /* 1 if prepare has nothing to ask the context for. */
 static int has_room(tet_complex *c) {
   size_t more = c->n_border > c->n_cavity ? c->n_border - c->n_cavity : 0;
@@ -303,7 +308,7 @@ tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
   size_t k = 0;
   uint32_t t = c->last = tet_complex_approach(c, c->last, p);
   *ret_done = 0;
-  if (!is_owned_conflict(c, t, p)) return TET_OK;
+  if (owned_conflict(c, t, p) != 1) return TET_OK;
   if (collect(c, t, p, &k) != DONE || !has_room(c)) {
     forget(c);
     return TET_OK;
