@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 
 typedef struct block_head {
   size_t bytes;    /* accounted, this header included */
@@ -48,9 +49,15 @@ static void *reserve(size_t bytes) {
   return at + lead;
 }
 
+/* 1 if the process may not have all the address space it likes (RLIMIT_AS). */
+static int is_space_short(void) {
+  struct rlimit limit;
+  return getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
+}
+
 /* A large block for `bytes`, with room to grow where there is. */
 static block_head *new_large(size_t bytes) {
-  for (size_t times = RESERVED_TIMES; times; times /= 4) {
+  for (size_t times = is_space_short() ? 1 : RESERVED_TIMES; times; times /= 4) {
     size_t reserved;
     if (__builtin_mul_overflow(whole_pages(bytes), times, &reserved)) continue;
     block_head *head = reserve(reserved);
@@ -83,6 +90,16 @@ static void give_back(block_head *head, size_t bytes) {
   if (kept < whole_pages(head->bytes)) (void)madvise((char *)head + kept, whole_pages(head->bytes) - kept, MADV_DONTNEED);
 }
 
+/* More than was reserved: the pages go elsewhere, uncopied. */
+static block_head *move_large(block_head *head, size_t bytes) {
+  size_t reserved = whole_pages(bytes);
+  if (!commit(head, head->reserved)) return NULL; /* so that it is one mapping */
+  block_head *moved = mremap(head, head->reserved, reserved, MREMAP_MAYMOVE);
+  if (moved == MAP_FAILED) return NULL;
+  moved->reserved = reserved;
+  return moved;
+}
+
 /* `head` (NULL: none) with room for `bytes`, maybe elsewhere; NULL: as before. */
 static block_head *resize_block(block_head *head, size_t bytes) {
   if (!head) return new_block(bytes);
@@ -91,7 +108,8 @@ static block_head *resize_block(block_head *head, size_t bytes) {
     give_back(head, bytes);
     return head;
   }
-  if (head->reserved && bytes <= head->reserved) return commit(head, bytes) ? head : NULL;
+  if (head->reserved)
+    return bytes > head->reserved ? move_large(head, bytes) : commit(head, bytes) ? head : NULL;
   block_head *moved = new_block(bytes);
   if (!moved) return NULL;
   size_t reserved = moved->reserved;

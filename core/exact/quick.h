@@ -9,9 +9,11 @@
 // rows d_i, is at most sqrt(2) sum_i |d_i|^2 prod_{j != i} |d_j| <= 4 sqrt(2) prod |d_i|
 // max |d_i|, and M^2 <= 32 prod s_i max s_i with s_i = |d_i|^2; that of orient3d is at most
 // sqrt(2) prod |d_i|. The errors are below 18 u M and 10 u M (filter.h); everything is
-// compared squared, with room for the roundings of the bounds themselves. Underflow: a
-// square below 2^-900 proves nothing here. Overflow makes the bound infinite or NaN, and
-// nothing is below it.
+// compared squared, with room for the roundings of the bounds themselves. Underflow: where a
+// row is shorter than 2^-100 (insphere) or 2^-150 (orient3d), or the squared value is below
+// 2^-900, nothing is proven here; so the products of squares are normal numbers or far below 2^-900, and
+// what a product of two small factors loses, at most 2^-1074, times the other rows is far
+// below the bound. Overflow makes the bound infinite or NaN, and nothing is above it.
 //
 // Where all coordinates are multiples of g, the determinants are multiples of g^3 and g^5;
 // one that is proven smaller is zero. On grids that settles what cannot be settled by
@@ -36,13 +38,15 @@ static inline int tet_has_avx2(void) { return __builtin_cpu_supports("avx2") && 
 enum { TET_UNSURE = 2 };
 
 #define TET_QUICK_LEAST 0x1p-900
+#define TET_QUICK_INSPHERE_ROW 0x1p-200 /* squared */
+#define TET_QUICK_ORIENT3D_ROW 0x1p-300
 #define TET_QUICK_INSPHERE (32.1 * (18 * TET_FILTER_UNIT) * (18 * TET_FILTER_UNIT))
 #define TET_QUICK_ORIENT3D (2.01 * (10 * TET_FILTER_UNIT) * (10 * TET_FILTER_UNIT))
 
 /* The sign of a determinant of value `det` and squared error `limit`, multiple of `grain`; or
- * TET_UNSURE. */
-static inline int tet_quick_sign(double det, double limit, double grain) {
-  if (det * det > limit)
+ * TET_UNSURE. `is_normal`: no row is too short. */
+static inline int tet_quick_sign(double det, double limit, int is_normal, double grain) {
+  if ((det * det > limit) & is_normal)
     return det > 0 ? 1 : -1;
   return fabs(det) + sqrt(limit) * 1.01 < grain ? 0 : TET_UNSURE;
 }
@@ -57,6 +61,10 @@ static inline double tet_larger(double a, double b) {
   return a > b ? a : b;
 }
 
+static inline double tet_smaller(double a, double b) {
+  return a < b ? a : b;
+}
+
 /* tet_insphere_xyz, or TET_UNSURE. */
 static inline int tet_quick_insphere(const double *a, const double *b, const double *c,
                                      const double *d, const double *e, double grain5) {
@@ -68,7 +76,8 @@ static inline int tet_quick_insphere(const double *a, const double *b, const dou
   double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6), s3 = tet_square(r + 9);
   double most = tet_larger(tet_larger(s0, s1), tet_larger(s2, s3));
   double limit = TET_QUICK_INSPHERE * ((s0 * s1) * (s2 * s3)) * most + TET_QUICK_LEAST;
-  return tet_quick_sign(tet_insphere_value(r), limit, grain5);
+  double least = tet_smaller(tet_smaller(s0, s1), tet_smaller(s2, s3));
+  return tet_quick_sign(tet_insphere_value(r), limit, least > TET_QUICK_INSPHERE_ROW, grain5);
 }
 
 #if TET_HAVE_AVX2
@@ -99,11 +108,12 @@ TET_AVX2 static inline int tet_quick_insphere_avx2(const double *a, const double
   __m128d q = _mm_mul_pd(_mm_fmsub_pd(x0, y2, _mm_mul_pd(x2, y0)), _mm_shuffle_pd(across, across, 1));
   __m128d t = _mm_addsub_pd(_mm_add_pd(_mm256_castpd256_pd128(s), _mm256_extractf128_pd(s, 1)), q);
   double det = _mm_cvtsd_f64(_mm_sub_sd(_mm_unpackhi_pd(t, t), t));
-  __m128d products = _mm_mul_pd(w0, w2), most = _mm_max_pd(w0, w2);
+  __m128d products = _mm_mul_pd(w0, w2), most = _mm_max_pd(w0, w2), least = _mm_min_pd(w0, w2);
   products = _mm_mul_sd(products, _mm_unpackhi_pd(products, products));
   most = _mm_max_sd(most, _mm_unpackhi_pd(most, most));
+  least = _mm_min_sd(least, _mm_unpackhi_pd(least, least));
   double limit = TET_QUICK_INSPHERE * _mm_cvtsd_f64(products) * _mm_cvtsd_f64(most) + TET_QUICK_LEAST;
-  return tet_quick_sign(det, limit, grain5);
+  return tet_quick_sign(det, limit, _mm_cvtsd_f64(least) > TET_QUICK_INSPHERE_ROW, grain5);
 }
 
 #endif
@@ -115,14 +125,17 @@ static inline int tet_quick_orient3d(const double *a, const double *b, const dou
   tet_quick_row(b, a, r);
   tet_quick_row(c, a, r + 3);
   tet_quick_row(d, a, r + 6);
-  double limit = TET_QUICK_ORIENT3D * (tet_square(r) * tet_square(r + 3)) * tet_square(r + 6) + TET_QUICK_LEAST;
-  return tet_quick_sign(tet_orient3d_value(r), limit, grain3);
+  double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6);
+  double limit = TET_QUICK_ORIENT3D * (s0 * s1) * s2 + TET_QUICK_LEAST;
+  int is_normal = tet_smaller(tet_smaller(s0, s1), s2) > TET_QUICK_ORIENT3D_ROW;
+  return tet_quick_sign(tet_orient3d_value(r), limit, is_normal, grain3);
 }
 
 /* The plane of a triangle, to ask for the sides of many points. */
 typedef struct tet_quick_plane {
   const double *origin;
   double normal[3], limit;
+  int is_normal; /* its rows are not too short */
 } tet_quick_plane;
 
 static inline tet_quick_plane tet_quick_plane_of(const double *a, const double *b, const double *c) {
@@ -131,14 +144,17 @@ static inline tet_quick_plane tet_quick_plane_of(const double *a, const double *
   tet_quick_row(c, a, r + 3);
   return (tet_quick_plane){a,
                            {r[1] * r[5] - r[2] * r[4], r[2] * r[3] - r[0] * r[5], r[0] * r[4] - r[1] * r[3]},
-                           TET_QUICK_ORIENT3D * tet_square(r) * tet_square(r + 3)};
+                           TET_QUICK_ORIENT3D * tet_square(r) * tet_square(r + 3),
+                           tet_smaller(tet_square(r), tet_square(r + 3)) > TET_QUICK_ORIENT3D_ROW};
 }
 
 /* tet_orient3d_xyz(a, b, c, d) of the plane's triangle, or TET_UNSURE; as many roundings as there. */
 static inline int tet_quick_side(const tet_quick_plane *plane, const double *d) {
   double r[3];
   tet_quick_row(d, plane->origin, r);
-  return tet_quick_sign(tet_dot3(plane->normal, r), plane->limit * tet_square(r) + TET_QUICK_LEAST, 0);
+  double s = tet_square(r);
+  return tet_quick_sign(tet_dot3(plane->normal, r), plane->limit * s + TET_QUICK_LEAST,
+                        plane->is_normal & (s > TET_QUICK_ORIENT3D_ROW), 0);
 }
 
 /* The value of the determinant of tet_orient3d_xyz, however wrong. */

@@ -49,7 +49,8 @@ tet_status tet_complex_reserve(tet_complex *c, uint64_t n) {
   if (status == TET_OK) status = tet_grow(c->ctx, &c->adj, &c->cap_adj, 4 * (size_t)n, sizeof *c->adj);
   if (status == TET_OK) status = tet_grow(c->ctx, &c->flag, &c->cap_flag, (size_t)n, sizeof *c->flag);
   size_t least = c->cap_v / 4 < c->cap_flag ? c->cap_v / 4 : c->cap_flag;
-  if (status == TET_OK) c->cap_slots = c->cap_adj / 4 < least ? c->cap_adj / 4 : least;
+  if (c->cap_adj / 4 < least) least = c->cap_adj / 4;
+  if (status == TET_OK) c->cap_slots = least < MOST_TETRAHEDRA ? least : MOST_TETRAHEDRA;
   return status;
 }
 

@@ -19,11 +19,12 @@
 #include "mesh/renumber.h"
 
 enum {
-  FEW = 256,       /* ordering fewer would cost more than it saves */
+  FEW = 256,        /* ordering fewer would cost more than it saves */
   FIRST_ROUND = 64, /* at most */
   ROUND_BITS = 3,   /* a round is about 2^3 times as large as the one before */
   KEYS = 256,       /* at a time */
-  MANY = 50000      /* vertices of a round worth several threads */
+  MANY = 50000,     /* vertices of a round worth several threads */
+  ENOUGH = 1000     /* vertices before it, that there is something to share */
 };
 
 /* A hash of the vertex number decides its round: seven eighths go into the last, and so on. */
@@ -156,7 +157,7 @@ static tet_status insert_rounds(tet_complex *c, const tet_rounds *all, uint32_t 
     r.start[k] = from;
     r.start[k + 1] = end;
     r.n = k + 1;
-    if (threads > 1 && end - from >= MANY) status = tet_insert_round(c, &r, threads);
+    if (threads > 1 && end - from >= MANY && from >= ENOUGH) status = tet_insert_round(c, &r, threads);
     else status = insert_rest(c, NULL, from < 4 ? 4 : from, end);
     tet_progress_report(c->ctx, (double)end / c->points->n, end, c->n_live, end);
   }
@@ -190,8 +191,9 @@ static tet_status insert_renumbered(tet_complex *c, const uint32_t *ids, uint32_
   return status;
 }
 
-static int all_explicit(const tet_complex *c, const uint32_t *ids, uint32_t n) {
-  int any = 0;
+/* 1 if the vertices can be numbered otherwise: nothing but their own numbers and places counts. */
+static int can_renumber(const tet_complex *c, const uint32_t *ids, uint32_t n) {
+  int any = c->points->rank != NULL;
   for (uint32_t i = 0; i < n; i++) any |= tet_is_implicit(c->points, ids[i]);
   return !any;
 }
@@ -207,7 +209,9 @@ tet_status tet_delaunay(tet_complex *c, uint32_t *ids, uint32_t n, uint32_t thre
   if (status != TET_OK || c->n_live) return status == TET_OK ? insert_rest(c, ids, 0, n) : status;
   status = first_four(c, ids, n);
   if (status != TET_OK) return status;
-  if (n >= FEW && all_explicit(c, ids, n)) return insert_renumbered(c, ids, n, &rounds, threads);
+  if (n >= FEW && can_renumber(c, ids, n)) return insert_renumbered(c, ids, n, &rounds, threads);
   status = tet_complex_first(c, ids[0], ids[1], ids[2], ids[3]);
-  return status == TET_OK ? insert_rest(c, ids, 4, n) : status;
+  if (status == TET_OK) status = insert_rest(c, ids, 4, n);
+  if (status != TET_OK) tet_complex_clear(c);
+  return status;
 }

@@ -30,7 +30,8 @@ enum {
 
 tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t e) {
   uint32_t v[4] = {a, b, d, e}, t, ghost[4];
-  tet_status status = tet_complex_new(c, &t);
+  tet_status status = tet_complex_reserve(c, (uint64_t)c->n_slots + 5); /* so that none or all are made */
+  if (status == TET_OK) status = tet_complex_new(c, &t);
   for (int i = 0; i < 4 && status == TET_OK; i++) status = tet_complex_new(c, &ghost[i]);
   if (status != TET_OK) return status;
   for (int i = 0; i < 4; i++) {
@@ -282,6 +283,19 @@ static tet_status prepare(tet_complex *c) {
   return TET_OK;
 }
 
+/* 1 if vertex p is where a vertex of t is: no cavity is sound then. */
+static int is_taken(const tet_complex *c, uint32_t t, uint32_t p) {
+  const double *x = c->points->x, *xp = x + 3 * (size_t)p;
+  if (tet_is_implicit(c->points, p)) return 0;
+  for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4; h++) {
+    uint32_t v = c->v[h];
+    if (v == TET_GHOST || tet_is_implicit(c->points, v)) continue;
+    const double *xv = x + 3 * (size_t)v;
+    if (xv[0] == xp[0] && xv[1] == xp[1] && xv[2] == xp[2]) return 1;
+  }
+  return 0;
+}
+
 tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
   size_t k = 0;
   uint32_t t = tet_complex_approach(c, from, p);
@@ -289,6 +303,7 @@ tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
   tet_status status = found ? TET_OK : tet_complex_locate(c, t, p, &t);
   if (status == TET_OK && !c->cap_border) status = make_room(c);
   if (status != TET_OK) return status;
+  if (is_taken(c, t, p)) return tet_internal(c->ctx, "a vertex where another is");
   if (!found && !tet_complex_conflict(c, t, p)) return tet_internal(c->ctx, "a located vertex without conflict");
   while (status == TET_OK && collect(c, t, p, &k) == ROOM) status = make_room(c);
   if (status == TET_OK) status = prepare(c);
@@ -308,7 +323,7 @@ tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
   size_t k = 0;
   uint32_t t = c->last = tet_complex_approach(c, c->last, p);
   *ret_done = 0;
-  if (owned_conflict(c, t, p) != 1) return TET_OK;
+  if (is_taken(c, t, p) || owned_conflict(c, t, p) != 1) return TET_OK;
   if (collect(c, t, p, &k) != DONE || !has_room(c)) {
     forget(c);
     return TET_OK;

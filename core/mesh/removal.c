@@ -80,6 +80,7 @@ static tet_status wrap(tet_complex *c, tet_hole *e) {
     }
     uint32_t d = apex_of(c, e, o->v);
     if (d == TET_GHOST && !e->has_ghost) return tet_internal(c->ctx, "a hole leaks");
+    if (e->n_row > 2 * e->n_link * e->n_link + 64) return tet_internal(c->ctx, "a hole is never full");
     status = tet_hole_tetrahedron(c, e, k - 1, d);
     k = e->n_face;
     if ((e->n_row & 1023) == 1023 && status == TET_OK) status = tet_poll(c->ctx);

@@ -12,10 +12,11 @@
 #include <math.h>
 
 #include "exact/exact_stage.h"
+#include "exact/predicates.h"
 #include "exact/quick.h"
 #include "point_sets.h"
 
-enum { ROUNDS = 60000, KINDS = 8 };
+enum { ROUNDS = 60000, KINDS = 9 };
 
 static double between(uint64_t *s, double low, double high) { return low + (high - low) * point_set_uniform(s); }
 
@@ -33,6 +34,8 @@ static void draw(uint64_t *s, int kind, double x[15]) {
     if (kind == 4) p[2] = 1e-15 * p[2] + p[0];
     if (kind == 7) /* one near, the others far */
       for (int k = 0; k < 3; k++) p[k] *= ldexp(1, -10 * i);
+    if (kind == 8) /* magnitudes all over the accepted range, so that partial products underflow */
+      for (int k = 0; k < 3; k++) p[k] = ldexp(round(4 * p[k]), (int)(point_set_next(s) % 1080) - 600);
     for (int k = 0; k < 3; k++) p[k] *= scale;
   }
 }
@@ -82,6 +85,19 @@ static void quick_signs_are_right(void **state) {
   }
 }
 
+/* Products of very short rows and very long ones: the bound must not vanish before the value. */
+static void short_rows_are_unsure(void **state) {
+  (void)state;
+  const double plane[15] = {-0x1p-299,  0x1.8p-299,  0, -0x1.4p-538, 0x1.8p-538, -0x1p-539,
+                            -0x1p-539, -0x1.8p-539, -0x1.8p-539, -0x1.8p+481, 0, -0x1p+480};
+  const double sphere[15] = {-0x1.8p201, 0x1p200,   -0x1p202,  -0x1p-537, 0x1p-538, 0, -0x1p482, 0x1.8p482, -0x1p480,
+                             0x1p-600,   -0x1p-599, -0x1p-597, 0,         0,        0};
+  const double *x = plane;
+  assert_int_equal(tet_orient3d_xyz(x, x + 3, x + 6, x + 9), exact_orient3d(x));
+  x = sphere;
+  assert_int_equal(tet_insphere_xyz(x, x + 3, x + 6, x + 9, x + 12), exact_insphere(x));
+}
+
 /* Where nothing can be known nothing is claimed. */
 static void extremes_are_unsure(void **state) {
   (void)state;
@@ -98,6 +114,7 @@ static void extremes_are_unsure(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(quick_signs_are_right), cmocka_unit_test(extremes_are_unsure)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(quick_signs_are_right), cmocka_unit_test(short_rows_are_unsure),
+                                     cmocka_unit_test(extremes_are_unsure)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -50,7 +50,7 @@ static void unmake(made *m) {
 }
 
 /* How many points of a family: enough for all paths, few enough for the sanitizers. */
-static uint32_t size_of(const char *family) { return !strcmp(family, "circle") ? 300 : 6000; }
+static uint32_t size_of(const char *family) { return !strcmp(family, "circle") ? 300 : 2500; }
 
 static void every_family_is_delaunay(void **state) {
   (void)state;
@@ -94,12 +94,12 @@ static void a_grid_fills_its_box(void **state) {
 /* Rounds are large enough here that several threads do insert them. */
 static void threads_make_the_same(void **state) {
   (void)state;
-  static const char *const families[] = {"cube", "clusters", "planes", "grid", "sphere", NULL};
+  static const char *const families[] = {"cube", "clusters", "grid", "sphere", NULL};
   for (const char *const *f = families; *f; f++) {
-    made m = make(*f, 120000, 3);
+    made m = make(*f, 62000, 3);
     rows first = {NULL, 0};
     uint32_t *slots = NULL;
-    for (uint32_t threads = 1; threads <= 5; threads += 2) {
+    for (uint32_t threads = 1; threads <= 4; threads += 3) {
       print_message("%s, %u threads\n", *f, threads);
       tet_complex_init(&m.c, m.ctx, &m.points);
       m.c.is_canonical = 1;
@@ -182,11 +182,11 @@ static void removal_leaves_the_others(void **state) {
 /* Under every budget the run ends in time, says so, and gives all back. */
 static void budgets_end_cleanly(void **state) {
   (void)state;
-  made m = make("cube", 70000, 9);
+  made m = make("cube", 62000, 9);
   for (uint32_t threads = 1; threads <= 3; threads += 2) {
     tet_status status = TET_E_MEMORY;
     int runs = 0;
-    for (uint64_t bytes = 1000; status != TET_OK; bytes += bytes / 8, runs++) {
+    for (uint64_t bytes = 1000; status != TET_OK; bytes += bytes / 2, runs++) {
       const tet_limits limits = {.memory_bytes = bytes};
       tet_ctx *ctx;
       tet_complex c;
@@ -199,9 +199,108 @@ static void budgets_end_cleanly(void **state) {
       assert_int_equal(tet_ctx_bytes(ctx), 0);
       tet_ctx_free(ctx);
     }
-    assert_true(runs > 20);
+    assert_true(runs > 10);
   }
   unmake(&m);
+}
+
+/* After an error the complex is empty and can be filled again. */
+static void errors_leave_nothing(void **state) {
+  (void)state;
+  for (uint32_t n = 5; n <= 320; n *= 4) {
+    made m = make("cube", n, 2);
+    for (uint64_t bytes = 100; bytes < 100000; bytes += 24) {
+      const tet_limits limits = {.memory_bytes = bytes};
+      tet_ctx *ctx;
+      tet_complex c;
+      assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
+      tet_complex_init(&c, ctx, &m.points);
+      tet_status status = tet_delaunay(&c, m.ids, n, 1);
+      if (status != TET_OK) {
+        assert_int_equal(c.n_live, 0);
+        assert_int_equal(tet_delaunay(&c, m.ids, n, 1), TET_E_MEMORY);
+      }
+      tet_complex_free(&c);
+      assert_int_equal(tet_ctx_bytes(ctx), 0);
+      tet_ctx_free(ctx);
+      if (status == TET_OK) break;
+    }
+    unmake(&m);
+  }
+}
+
+/* Vertices chosen so that all rounds but the last are empty, or nearly so: rounds go by a hash of the
+ * numbers, which nobody promises to be all there. */
+static void empty_rounds_are_no_matter(void **state) {
+  (void)state;
+  made m = make("cube", 64000, 4);
+  for (uint32_t few = 0; few < 6; few++) {
+    uint32_t n = 0, early = 0;
+    for (uint32_t i = 0; i < m.points.n; i++) {
+      uint32_t x = i; /* the hash of delaunay.c */
+      x ^= x >> 16;
+      x *= 0x7feb352du;
+      x ^= x >> 15;
+      x *= 0x846ca68bu;
+      x ^= x >> 16;
+      if (x & 7 || early++ < few) m.ids[n++] = i;
+    }
+    tet_complex_init(&m.c, m.ctx, &m.points);
+    assert_int_equal(tet_delaunay(&m.c, m.ids, n, 2), TET_OK);
+    rows two = sorted_rows(&m.c);
+    tet_complex_clear(&m.c);
+    assert_int_equal(tet_delaunay(&m.c, m.ids, n, 1), TET_OK);
+    rows one = sorted_rows(&m.c);
+    check_same(&one, &two);
+    free(one.row);
+    free(two.row);
+    tet_complex_free(&m.c);
+  }
+  unmake(&m);
+}
+
+/* Magnitudes from 2^-1074 to 2^480 in one set, in many orders. */
+static void magnitudes_may_differ(void **state) {
+  (void)state;
+  double x[3 * 14] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1e100, 3, 4, -1e100, 0, 0,
+                      0, 0x1p480, 0, 1e-100, 1e-300, 5e-324, 0x1p-600, 0, 0x1p-700, 0x1p-300, -0x1p-300, 0x1p-310};
+  tet_points points = tet_points_explicit(x, 14);
+  uint64_t s = 1;
+  tet_ctx *ctx;
+  tet_complex c;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  tet_complex_init(&c, ctx, &points);
+  for (int round = 0; round < 1000; round++) {
+    uint32_t ids[14];
+    for (uint32_t i = 0; i < 14; i++) ids[i] = i;
+    for (uint32_t i = 14; i > 1; i--) {
+      uint32_t j = (uint32_t)(point_set_next(&s) % i), swap = ids[j];
+      ids[j] = ids[i - 1];
+      ids[i - 1] = swap;
+    }
+    tet_complex_clear(&c);
+    assert_int_equal(tet_delaunay(&c, ids, 14, 1), TET_OK);
+    check_laws(&c, NULL);
+    assert_int_equal(tet_complex_remove(&c, ids[3]), TET_OK);
+    check_laws(&c, NULL);
+  }
+  tet_complex_free(&c);
+  tet_ctx_free(ctx);
+}
+
+static void a_taken_place_is_refused(void **state) {
+  (void)state;
+  double x[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 0, 0};
+  tet_points points = tet_points_explicit(x, 6);
+  uint32_t ids[6] = {0, 1, 2, 3, 4, 5};
+  tet_ctx *ctx;
+  tet_complex c;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  tet_complex_init(&c, ctx, &points);
+  assert_int_equal(tet_delaunay(&c, ids, 6, 1), TET_E_INTERNAL);
+  assert_int_equal(c.n_live, 0);
+  tet_complex_free(&c);
+  tet_ctx_free(ctx);
 }
 
 static void cancelled_runs_end(void **state) {
@@ -229,7 +328,7 @@ static void starved_removals_change_nothing(void **state) {
   (void)state;
   made m = make("circle", 200, 9);
   uint32_t starved = 0;
-  for (uint64_t bytes = 10000; bytes < 20000000; bytes += bytes / 16) {
+  for (uint64_t bytes = 10000; bytes < 20000000; bytes += bytes / 8) {
     const tet_limits limits = {.memory_bytes = bytes};
     tet_ctx *ctx;
     tet_complex c;
@@ -264,6 +363,8 @@ int main(void) {
       cmocka_unit_test(threads_make_the_same),      cmocka_unit_test(late_vertices_make_the_same),
       cmocka_unit_test(removal_leaves_the_others),  cmocka_unit_test(budgets_end_cleanly),
       cmocka_unit_test(cancelled_runs_end),         cmocka_unit_test(starved_removals_change_nothing),
+      cmocka_unit_test(errors_leave_nothing),       cmocka_unit_test(empty_rounds_are_no_matter),
+      cmocka_unit_test(magnitudes_may_differ),      cmocka_unit_test(a_taken_place_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

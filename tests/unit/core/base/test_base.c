@@ -8,6 +8,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "base/context.h"
 #include "base/hilbert.h"
@@ -137,6 +138,37 @@ static void large_blocks_keep_what_they_hold(void **state) {
   tet_free(ctx, zeroed);
   assert_int_equal(tet_ctx_bytes(ctx), 0);
   tet_ctx_free(ctx);
+}
+
+/* Under a limit on address space no more of it is taken than is used. */
+static void address_space_may_be_short(void **state) {
+  (void)state;
+#if defined(__SANITIZE_ADDRESS__) || defined(__clang__)
+  skip(); /* sanitizers need the address space themselves */
+#else
+  struct rlimit before, limit;
+  assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
+  limit = before;
+  limit.rlim_cur = (rlim_t)256 << 20;
+  assert_int_equal(setrlimit(RLIMIT_AS, &limit), 0);
+  tet_ctx *ctx;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  uint64_t *x[4] = {NULL};
+  size_t capacity[4] = {0};
+  for (size_t n = 1000; n < (size_t)5 << 20; n += n / 9)
+    for (int i = 0; i < 4; i++) {
+      size_t from = capacity[i];
+      assert_int_equal(tet_grow(ctx, &x[i], &capacity[i], n, sizeof *x[i]), TET_OK);
+      for (size_t k = from; k < capacity[i]; k++) x[i][k] = k * (size_t)(i + 3);
+    }
+  for (int i = 0; i < 4; i++) {
+    for (size_t k = 0; k < capacity[i]; k++) assert_true(x[i][k] == k * (size_t)(i + 3));
+    tet_free(ctx, x[i]);
+  }
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+  setrlimit(RLIMIT_AS, &before);
+#endif
 }
 
 /* Along the curve through a cubic grid every step goes to a neighbouring cell. */
@@ -276,7 +308,7 @@ static void stages_gather(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sorts),          cmocka_unit_test(radix_sorts), cmocka_unit_test(threads_take_every_part_once),
-      cmocka_unit_test(hilbert_keys_agree), cmocka_unit_test(large_blocks_keep_what_they_hold),
+      cmocka_unit_test(hilbert_keys_agree), cmocka_unit_test(large_blocks_keep_what_they_hold), cmocka_unit_test(address_space_may_be_short),
       cmocka_unit_test(hilbert_steps_are_short), cmocka_unit_test(budget_holds),
       cmocka_unit_test(cancel_and_deadline), cmocka_unit_test(offenders_are_capped), cmocka_unit_test(stages_gather)};
   return cmocka_run_group_tests_name("base", tests, NULL, NULL);
