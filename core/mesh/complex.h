@@ -74,7 +74,7 @@ typedef struct tet_complex {
   uint8_t is_canonical; /* 1: bulk insertion is to leave slots that do not depend on threads */
 
   /* Scratch, and what the last change did. */
-  uint32_t *cavity;    /* [n_cavity] the slots of the old tetrahedra */
+  uint32_t *cavity;    /* [n_cavity] the slots of the old tetrahedra, which new ones take */
   uint32_t (*old)[4];  /* [n_cavity] their vertices, if keep_old */
   tet_border *border;  /* [n_border] */
   uint32_t *made;      /* [n_made] of tet_complex_star */
@@ -126,8 +126,8 @@ tet_status tet_complex_locate(tet_complex *c, uint32_t from, uint32_t p, uint32_
 uint32_t tet_complex_approach(tet_complex *c, uint32_t from, uint32_t p);
 
 /* Inserts vertex p (not yet in the complex, equal to no vertex) by Bowyer-Watson.
- * `from`: a tetrahedron near it or TET_NONE. Then c->cavity and, if asked for,
- * c->old tell what was there. Expected cost for evenly spread points: that of about
+ * `from`: a tetrahedron near it or TET_NONE. Then c->old, if asked for, tells
+ * what was there. Expected cost for evenly spread points: that of about
  * 50 insphere tests and 27 new tetrahedra, and the walk. */
 tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from);
 

@@ -114,6 +114,20 @@ def test_same_input_gives_the_same_files(tmp_path):
     assert written[0] == written[1]
 
 
+def test_threads_do_not_show_in_the_mesh(tmp_path):
+    random.seed(8)
+    points = tmp_path / "points.node"
+    lines = [f"{i} {random.random()!r} {random.random()!r} {random.random()!r}" for i in range(60000)]
+    points.write_text("\n".join(["60000 3 0 0", *lines]), encoding="ascii")
+    for threads in "1", "2":
+        done = tetractl("mesh", points, "-o", tmp_path / f"out{threads}.node", "--stage", "delaunay",
+                        "--threads", threads)
+        assert done.returncode == 0, done.stderr
+    for suffix in ".node", ".ele", ".face":
+        assert (tmp_path / f"out1{suffix}").read_bytes() == (tmp_path / f"out2{suffix}").read_bytes()
+    assert tetractl("mesh", points, "-o", tmp_path / "no.node", "--threads", "0").returncode == 2
+
+
 @pytest.mark.parametrize("suffix, begins", [(".mesh", b"MeshVersionFormatted"), (".vtu", b"<?xml"), (".off", b"OFF")])
 def test_output_format_goes_by_the_extension(tmp_path, cube, suffix, begins):
     out = tmp_path / ("out" + suffix)
