@@ -179,7 +179,7 @@ tet_status tet_grow(tet_ctx *ctx, void *array, size_t *capacity, size_t need, si
   size_t items = *capacity + step + 16;
   if (items < need) items = need;
   if (items > SIZE_MAX / 2 / size) return tet_fail(ctx, TET_E_TOO_LARGE, "an array of %zu items", items);
-  if (items > need && !tet_fits(ctx, (items - *capacity) * size)) items = need;
+  while (items > need && !tet_fits(ctx, (items - *capacity) * size)) items = need + (items - need) / 2;
   tet_status status = resize(ctx, array, items, size);
   if (status == TET_OK) *capacity = items;
   return status;

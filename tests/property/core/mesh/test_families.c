@@ -94,7 +94,7 @@ static void a_grid_fills_its_box(void **state) {
 /* Rounds are large enough here that several threads do insert them. */
 static void threads_make_the_same(void **state) {
   (void)state;
-  static const char *const families[] = {"cube", "clusters", "grid", "sphere", NULL};
+  static const char *const families[] = {"cube", "grid", "sphere", NULL};
   for (const char *const *f = families; *f; f++) {
     made m = make(*f, 62000, 3);
     rows first = {NULL, 0};
@@ -186,7 +186,7 @@ static void budgets_end_cleanly(void **state) {
   for (uint32_t threads = 1; threads <= 3; threads += 2) {
     tet_status status = TET_E_MEMORY;
     int runs = 0;
-    for (uint64_t bytes = 1000; status != TET_OK; bytes += bytes / 2, runs++) {
+    for (uint64_t bytes = 20000; status != TET_OK; bytes *= 2, runs++) {
       const tet_limits limits = {.memory_bytes = bytes};
       tet_ctx *ctx;
       tet_complex c;
@@ -199,7 +199,7 @@ static void budgets_end_cleanly(void **state) {
       assert_int_equal(tet_ctx_bytes(ctx), 0);
       tet_ctx_free(ctx);
     }
-    assert_true(runs > 10);
+    assert_true(runs > 6);
   }
   unmake(&m);
 }
@@ -209,7 +209,7 @@ static void errors_leave_nothing(void **state) {
   (void)state;
   for (uint32_t n = 5; n <= 320; n *= 4) {
     made m = make("cube", n, 2);
-    for (uint64_t bytes = 100; bytes < 100000; bytes += 24) {
+    for (uint64_t bytes = 100; bytes < 100000; bytes += 24 + bytes / 64) {
       const tet_limits limits = {.memory_bytes = bytes};
       tet_ctx *ctx;
       tet_complex c;
@@ -234,7 +234,7 @@ static void errors_leave_nothing(void **state) {
 static void empty_rounds_are_no_matter(void **state) {
   (void)state;
   made m = make("cube", 64000, 4);
-  for (uint32_t few = 0; few < 6; few++) {
+  for (uint32_t few = 0; few < 6; few += 3) {
     uint32_t n = 0, early = 0;
     for (uint32_t i = 0; i < m.points.n; i++) {
       uint32_t x = i; /* the hash of delaunay.c */
@@ -270,7 +270,7 @@ static void magnitudes_may_differ(void **state) {
   tet_complex c;
   assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
   tet_complex_init(&c, ctx, &points);
-  for (int round = 0; round < 1000; round++) {
+  for (int round = 0; round < 400; round++) {
     uint32_t ids[14];
     for (uint32_t i = 0; i < 14; i++) ids[i] = i;
     for (uint32_t i = 14; i > 1; i--) {
@@ -328,7 +328,7 @@ static void starved_removals_change_nothing(void **state) {
   (void)state;
   made m = make("circle", 200, 9);
   uint32_t starved = 0;
-  for (uint64_t bytes = 10000; bytes < 20000000; bytes += bytes / 8) {
+  for (uint64_t bytes = 10000; bytes < 20000000; bytes += bytes / 4) {
     const tet_limits limits = {.memory_bytes = bytes};
     tet_ctx *ctx;
     tet_complex c;
