@@ -15,11 +15,6 @@ static const double *xyz(const tet_points *p, uint32_t v) {
   return p->x + 3 * (size_t)v;
 }
 
-static inline void subtract(const double *a, const double *b, double *d) {
-  for (int k = 0; k < 3; k++)
-    d[k] = a[k] - b[k];
-}
-
 static inline uint32_t later(uint32_t v, uint32_t w) {
   return v > w ? v : w;
 }
@@ -257,8 +252,8 @@ static int dot_sign_exact(const tet_point_ref point[3]) {
 
 int tet_dot_sign_xyz(const double *a, const double *b, const double *c) {
   double d[6];
-  subtract(a, c, d);
-  subtract(b, c, d + 3);
+  tet_minus(a, c, d);
+  tet_minus(b, c, d + 3);
   int sign = tet_filter(tet_dot_value, tet_dot_majorant, d, 0, 6, TET_ROUNDINGS_DOT);
   if (sign)
     return sign;
@@ -295,8 +290,8 @@ static int compare_distance_exact(const tet_point_ref point[3]) {
 
 int tet_compare_distance_xyz(const double *a, const double *b, const double *c) {
   double d[6];
-  subtract(b, a, d);
-  subtract(c, a, d + 3);
+  tet_minus(b, a, d);
+  tet_minus(c, a, d + 3);
   int sign = tet_filter(tet_compare_distance_value, tet_compare_distance_majorant, d, 0, 6,
                         TET_ROUNDINGS_COMPARE_DISTANCE);
   if (sign)
@@ -336,9 +331,9 @@ static int diametric_ball3_exact(const tet_point_ref point[4]) {
 
 int tet_in_diametric_ball3_xyz(const double *a, const double *b, const double *c, const double *d) {
   double e[9];
-  subtract(b, a, e);
-  subtract(c, a, e + 3);
-  subtract(d, a, e + 6);
+  tet_minus(b, a, e);
+  tet_minus(c, a, e + 3);
+  tet_minus(d, a, e + 6);
   int sign = tet_filter(tet_ball3_value, tet_ball3_majorant, e, 0, 9, TET_ROUNDINGS_BALL3);
   if (sign)
     return sign;

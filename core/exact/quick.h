@@ -23,6 +23,7 @@
 
 #include <math.h>
 
+#include "base/vector.h"
 #include "exact/filter.h"
 
 /* What a processor may have is used only where it is asked for (tet_has_avx2). */
@@ -51,12 +52,6 @@ static inline int tet_quick_sign(double det, double limit, int is_normal, double
   return fabs(det) + sqrt(limit) * 1.01 < grain ? 0 : TET_UNSURE;
 }
 
-static inline void tet_quick_row(const double *x, const double *o, double *d) {
-  d[0] = x[0] - o[0];
-  d[1] = x[1] - o[1];
-  d[2] = x[2] - o[2];
-}
-
 static inline double tet_larger(double a, double b) {
   return a > b ? a : b;
 }
@@ -69,10 +64,10 @@ static inline double tet_smaller(double a, double b) {
 static inline int tet_quick_insphere(const double *a, const double *b, const double *c,
                                      const double *d, const double *e, double grain5) {
   double r[12];
-  tet_quick_row(a, e, r);
-  tet_quick_row(b, e, r + 3);
-  tet_quick_row(c, e, r + 6);
-  tet_quick_row(d, e, r + 9);
+  tet_minus(a, e, r);
+  tet_minus(b, e, r + 3);
+  tet_minus(c, e, r + 6);
+  tet_minus(d, e, r + 9);
   double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6), s3 = tet_square(r + 9);
   double most = tet_larger(tet_larger(s0, s1), tet_larger(s2, s3));
   double limit = TET_QUICK_INSPHERE * ((s0 * s1) * (s2 * s3)) * most + TET_QUICK_LEAST;
@@ -122,9 +117,9 @@ TET_AVX2 static inline int tet_quick_insphere_avx2(const double *a, const double
 static inline int tet_quick_orient3d(const double *a, const double *b, const double *c,
                                      const double *d, double grain3) {
   double r[9];
-  tet_quick_row(b, a, r);
-  tet_quick_row(c, a, r + 3);
-  tet_quick_row(d, a, r + 6);
+  tet_minus(b, a, r);
+  tet_minus(c, a, r + 3);
+  tet_minus(d, a, r + 6);
   double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6);
   double limit = TET_QUICK_ORIENT3D * (s0 * s1) * s2 + TET_QUICK_LEAST;
   int is_normal = tet_smaller(tet_smaller(s0, s1), s2) > TET_QUICK_ORIENT3D_ROW;
@@ -140,8 +135,8 @@ typedef struct tet_quick_plane {
 
 static inline tet_quick_plane tet_quick_plane_of(const double *a, const double *b, const double *c) {
   double r[6];
-  tet_quick_row(b, a, r);
-  tet_quick_row(c, a, r + 3);
+  tet_minus(b, a, r);
+  tet_minus(c, a, r + 3);
   return (tet_quick_plane){a,
                            {r[1] * r[5] - r[2] * r[4], r[2] * r[3] - r[0] * r[5], r[0] * r[4] - r[1] * r[3]},
                            TET_QUICK_ORIENT3D * tet_square(r) * tet_square(r + 3),
@@ -151,7 +146,7 @@ static inline tet_quick_plane tet_quick_plane_of(const double *a, const double *
 /* tet_orient3d_xyz(a, b, c, d) of the plane's triangle, or TET_UNSURE; as many roundings as there. */
 static inline int tet_quick_side(const tet_quick_plane *plane, const double *d) {
   double r[3];
-  tet_quick_row(d, plane->origin, r);
+  tet_minus(d, plane->origin, r);
   double s = tet_square(r);
   return tet_quick_sign(tet_dot3(plane->normal, r), plane->limit * s + TET_QUICK_LEAST,
                         plane->is_normal & (s > TET_QUICK_ORIENT3D_ROW), 0);
@@ -160,9 +155,9 @@ static inline int tet_quick_side(const tet_quick_plane *plane, const double *d) 
 /* The value of the determinant of tet_orient3d_xyz, however wrong. */
 static inline double tet_rough_orient3d(const double *a, const double *b, const double *c, const double *d) {
   double r[9];
-  tet_quick_row(b, a, r);
-  tet_quick_row(c, a, r + 3);
-  tet_quick_row(d, a, r + 6);
+  tet_minus(b, a, r);
+  tet_minus(c, a, r + 3);
+  tet_minus(d, a, r + 6);
   return tet_orient3d_value(r);
 }
 
