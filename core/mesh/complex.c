@@ -18,7 +18,7 @@ void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points) {
 }
 
 void tet_complex_free(tet_complex *c) {
-  void *all[] = {c->v,   c->adj,    c->flag, c->at,    c->cavity,  c->old,
+  void *all[] = {c->v,   c->adj,    c->flag, c->wall,  c->at, c->cavity, c->old,
                  c->border, c->made, c->place, c->map.key, c->map.handle};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(c->ctx, all[i]);
   tet_hole_free(c);
@@ -36,8 +36,12 @@ tet_status tet_complex_reserve_vertices(tet_complex *c, uint32_t n) {
   tet_status status = tet_grow(c->ctx, &c->at, &c->cap_at, n, sizeof *c->at);
   if (status != TET_OK) return status;
   for (size_t i = before; i < c->cap_at; i++) c->at[i] = TET_NONE;
-  before = c->cap_place;
-  status = tet_grow(c->ctx, &c->place, &c->cap_place, (size_t)n + 1, sizeof *c->place);
+  return tet_complex_reserve_places(c, n);
+}
+
+tet_status tet_complex_reserve_places(tet_complex *c, uint32_t n) {
+  size_t before = c->cap_place;
+  tet_status status = tet_grow(c->ctx, &c->place, &c->cap_place, (size_t)n + 1, sizeof *c->place);
   if (status == TET_OK) memset(c->place + before, 0, c->cap_place - before);
   return status;
 }
@@ -48,7 +52,9 @@ tet_status tet_complex_reserve(tet_complex *c, uint64_t n) {
   tet_status status = tet_grow(c->ctx, &c->v, &c->cap_v, 4 * (size_t)n, sizeof *c->v);
   if (status == TET_OK) status = tet_grow(c->ctx, &c->adj, &c->cap_adj, 4 * (size_t)n, sizeof *c->adj);
   if (status == TET_OK) status = tet_grow(c->ctx, &c->flag, &c->cap_flag, (size_t)n, sizeof *c->flag);
+  if (status == TET_OK && c->is_walled) status = tet_grow(c->ctx, &c->wall, &c->cap_wall, (size_t)n, sizeof *c->wall);
   size_t least = c->cap_v / 4 < c->cap_flag ? c->cap_v / 4 : c->cap_flag;
+  if (c->is_walled && c->cap_wall < least) least = c->cap_wall;
   if (c->cap_adj / 4 < least) least = c->cap_adj / 4;
   if (status == TET_OK) c->cap_slots = least < MOST_TETRAHEDRA ? least : MOST_TETRAHEDRA;
   return status;

@@ -10,6 +10,10 @@
  * Points are seen through the exact predicates alone; implicit ones included.
  * Location, insertion and removal here serve the Delaunay stage and segment recovery;
  * facet recovery cuts and fills through the lower functions.
+ *
+ * A walled complex is that of a domain, as refinement has it: without ghosts, TET_NONE
+ * beyond its boundary, and with walls, the faces that no cavity crosses. Its cavities are
+ * grown and filled by the same code (tet_complex_grow, tet_complex_fill).
  */
 #ifndef TET_MESH_COMPLEX_H
 #define TET_MESH_COMPLEX_H
@@ -36,9 +40,9 @@ enum {
 
 /* A face of a cavity's border as the tetrahedron that will stand on it. */
 typedef struct tet_border {
-  uint32_t v[4];  /* with the new vertex at `place` */
-  uint32_t outer; /* the handle beyond */
-  uint32_t place;
+  uint32_t v[4];  /* those of the tetrahedron inside, but for the new vertex opposite the face */
+  uint32_t outer; /* the handle beyond; TET_NONE at the boundary of a domain */
+  uint32_t inner; /* the handle of the same face in the cavity */
 } tet_border;
 
 /* A hash table from edges to faces, for cavities of many vertices. */
@@ -60,8 +64,9 @@ typedef struct tet_complex {
   uint32_t *v;         /* [slots][4] */
   uint32_t *adj;       /* [slots][4] handles */
   uint8_t *flag;       /* [slots] */
+  uint8_t *wall;       /* [slots] of a walled complex: bit i, face i is a wall; else NULL */
   uint32_t n_slots, n_live; /* live: finite and ghost */
-  size_t cap_v, cap_adj, cap_flag, cap_slots; /* the last: what all three hold */
+  size_t cap_v, cap_adj, cap_flag, cap_wall, cap_slots; /* the last: what all hold */
   uint32_t *at;        /* [points] a tetrahedron with the vertex, or TET_NONE; NULL while
                           many are inserted */
   size_t cap_at;
@@ -71,6 +76,7 @@ typedef struct tet_complex {
   tet_slot_pool *pool; /* where a thread among several gets its slots; else NULL */
   uint8_t owner;       /* TET_FLAG_OWNER times this thread's number; 0: all is its own */
   uint8_t keep_old;    /* 1: insertions fill `old` */
+  uint8_t is_walled;
   uint8_t is_canonical; /* 1: bulk insertion is to leave slots that do not depend on threads */
 
   /* Scratch, and what the last change did. */
@@ -135,6 +141,17 @@ tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from);
  * changed where that is not enough. Never allocates. */
 tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done);
 
+/* For a walled complex: grows the cavity of vertex p from c->cavity, whose tetrahedra the caller
+ * has listed and flagged TET_FLAG_CAVITY, by all that are in conflict with p and reached without
+ * crossing a wall, and lists the border, walls included. Flags of OWNER and above are the
+ * caller's. Then either tet_complex_forget or, once flags are but those of the cavity and its
+ * border, and every face of the border sees p, tet_complex_fill: the tetrahedron above border
+ * face k gets slot c->cavity[k], and TET_NONE is beyond faces at p where the border is open.
+ * On failure of the latter nothing is changed. */
+tet_status tet_complex_grow(tet_complex *c, uint32_t p);
+void tet_complex_forget(tet_complex *c);
+tet_status tet_complex_fill(tet_complex *c);
+
 /* Removes vertex p: its star is filled with the Delaunay tetrahedra of its link, under
  * the same perturbation, so that the complex is that of the other vertices. Errors:
  * TET_E_DEGENERATE where the others span no volume (nothing is changed); limits. */
@@ -152,8 +169,9 @@ uint32_t tet_complex_face_at_edge(const tet_complex *c, uint32_t t, uint32_t a, 
 /* All tetrahedra around vertex a, ghosts too, into c->made; marks cleared. */
 tet_status tet_complex_star(tet_complex *c, uint32_t a);
 
-/* Makes room in `at` for `n` vertices. */
+/* Makes room for `n` vertices: in `at` and for insertion, or for insertion alone. */
 tet_status tet_complex_reserve_vertices(tet_complex *c, uint32_t n);
+tet_status tet_complex_reserve_places(tet_complex *c, uint32_t n);
 
 static inline int tet_is_ghost(const tet_complex *c, uint32_t t) { return c->v[4 * (size_t)t + 3] == TET_GHOST; }
 static inline int tet_is_live(const tet_complex *c, uint32_t t) { return !(c->flag[t] & TET_FLAG_FREE); }

@@ -4,7 +4,7 @@
  * The in-sphere test is perturbed symbolically and orientation is not (Devillers,
  * Teillaud 2011): the result is the unique regular tetrahedralization of the
  * perturbed lifting, free of flat tetrahedra, whatever the order of insertion.
- * Constraints are not looked at; facet recovery does its own cutting.
+ * The walls of a walled complex bound the search; facet recovery does its own cutting.
  *
  * This is the hot loop of everything. The cavity is found breadth first; each tetrahedron
  * beside it is tested once. New tetrahedra take the slots of the old ones first, and
@@ -20,7 +20,7 @@
 typedef enum outcome {
   DONE,
   ROOM, /* the lists are too short to go on */
-  WALL  /* a tetrahedron of another thread */
+  ELSEWHERE /* a tetrahedron of another thread */
 } outcome;
 
 enum {
@@ -93,30 +93,47 @@ static inline __attribute__((always_inline)) int in_conflict(const tet_complex *
   return __builtin_expect(sign & 1, 1) ? sign > 0 : slow_conflict(c, t, p, sign);
 }
 
-/* Goes on with the search for the cavity of p from its *k-th tetrahedron. */
-static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, quick_look *look) {
+/* Adds face i of t, with vertices v, to the border. */
+static inline void add_border(tet_complex *c, uint32_t t, uint32_t i, const uint32_t *v, uint32_t outer, uint32_t p) {
+  tet_border *b = &c->border[c->n_border++];
+  for (int j = 0; j < 4; j++) b->v[j] = v[j];
+  b->v[i] = p;
+  b->outer = outer;
+  b->inner = 4 * t + i;
+}
+
+/* Goes on with the search for the cavity of p from its *k-th tetrahedron; is_walled says
+ * whether there are walls and TET_NONE, or several threads. */
+static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, quick_look *look,
+                                                            int is_walled) {
   const uint32_t *adj = c->adj;
   for (; *k < c->n_cavity; ++*k) {
     if (c->cap_cavity - c->n_cavity < STEP || c->cap_border - c->n_border < STEP) return ROOM;
-    uint32_t t = c->cavity[*k];
+    uint32_t t = c->cavity[*k], wall = is_walled ? c->wall[t] : 0;
     const uint32_t *v = c->v + 4 * (size_t)t;
     uint32_t handle[4], untested[4], n_untested = 0;
     int8_t conflict[4];
     for (uint32_t i = 0; i < 4; i++) {
       handle[i] = adj[4 * (size_t)t + i];
-      __builtin_prefetch(c->v + (handle[i] & ~3u));
+      if (!(wall >> i & 1)) __builtin_prefetch(c->v + (handle[i] & ~3u));
     }
     for (uint32_t i = 0; i < 4; i++) {
+      if (wall >> i & 1) continue;
       untested[n_untested] = i;
-      n_untested += tet_flag(c, handle[i] >> 2) == c->owner;
+      n_untested += is_walled ? !(c->flag[handle[i] >> 2] & (TET_FLAG_CAVITY | TET_FLAG_MARK))
+                              : tet_flag(c, handle[i] >> 2) == c->owner;
     }
     for (uint32_t m = 0; m < n_untested; m++)
       conflict[untested[m]] = (int8_t)in_conflict(c, handle[untested[m]] >> 2, p, look);
     for (uint32_t i = 0; i < 4; i++) {
       uint32_t h = handle[i], o = h >> 2;
+      if (wall >> i & 1) {
+        add_border(c, t, i, v, h, p);
+        continue;
+      }
       uint8_t f = tet_flag(c, o);
-      if (f == c->owner) {
-        if (conflict[i] == UNASKED) return WALL;
+      if (is_walled ? !(f & (TET_FLAG_CAVITY | TET_FLAG_MARK)) : f == c->owner) {
+        if (conflict[i] == UNASKED) return ELSEWHERE;
         if (conflict[i]) {
           tet_set_flag(c, o, f | TET_FLAG_CAVITY);
           c->cavity[c->n_cavity++] = o;
@@ -124,34 +141,36 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
           continue;
         }
         tet_set_flag(c, o, f | TET_FLAG_MARK);
-      } else if ((f & OWNER_BITS) != c->owner) {
-        return WALL;
+      } else if (!is_walled && (f & OWNER_BITS) != c->owner) {
+        return ELSEWHERE;
       } else if (f & TET_FLAG_CAVITY) {
         continue;
       }
       __builtin_prefetch(adj + h, 1);
-      tet_border *b = &c->border[c->n_border++];
-      for (int j = 0; j < 4; j++) b->v[j] = v[j];
-      b->v[i] = p;
-      b->outer = h;
-      b->place = i;
+      add_border(c, t, i, v, h, p);
     }
   }
   return DONE;
 }
 
-static outcome search_any(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, NULL); }
-static outcome search_explicit(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, tet_quick_insphere); }
+static outcome search_any(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, NULL, 0); }
+static outcome search_explicit(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, tet_quick_insphere, 0); }
+static outcome search_walled(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, tet_quick_insphere, 1); }
 #if TET_HAVE_AVX2
 TET_AVX2 static outcome search_avx2(tet_complex *c, size_t *k, uint32_t p) {
-  return search(c, k, p, tet_quick_insphere_avx2);
+  return search(c, k, p, tet_quick_insphere_avx2, 0);
+}
+TET_AVX2 static outcome search_walled_avx2(tet_complex *c, size_t *k, uint32_t p) {
+  return search(c, k, p, tet_quick_insphere_avx2, 1);
 }
 #endif
 
 /* Takes the marks of an abandoned search away. */
-static void forget(tet_complex *c) {
+void tet_complex_forget(tet_complex *c) {
   for (size_t k = 0; k < c->n_cavity; k++) tet_set_flag(c, c->cavity[k], c->owner);
-  for (size_t k = 0; k < c->n_border; k++) tet_set_flag(c, c->border[k].outer >> 2, c->owner);
+  for (size_t k = 0; k < c->n_border; k++)
+    if (c->border[k].outer != TET_NONE) tet_set_flag(c, c->border[k].outer >> 2, c->owner);
+  c->n_cavity = c->n_border = 0;
 }
 
 static tet_status make_room(tet_complex *c) {
@@ -188,22 +207,30 @@ static inline uint32_t place_of(tet_complex *c, uint32_t v, uint32_t *n_round) {
 }
 
 /* Joins the new tetrahedra: each edge of the border is passed once in either direction, and the
- * faces above the two passages meet. */
-static void join_small(tet_complex *c, const uint32_t *slot) {
+ * faces above the two passages meet; but for an open border, where one may be missing. */
+static inline __attribute__((always_inline)) void join_small(tet_complex *c, const uint32_t *slot, int is_open) {
   uint32_t n_round = 0;
   for (size_t k = 0; k < c->n_border; k++) {
     const tet_border *b = &c->border[k];
-    const uint8_t *f = tet_face[b->place];
+    const uint8_t *f = tet_face[b->inner & 3];
     uint32_t place[3];
     for (int m = 0; m < 3; m++) place[m] = place_of(c, b->v[f[m]], &n_round);
     for (int m = 0; m < 3; m++) {
       uint32_t from = place[m], to = place[(m + 1) % 3];
-      c->edge[from][to] = 4 * slot[k] + f[(m + 2) % 3];
+      if (!is_open) c->edge[from][to] = 4 * slot[k] + f[(m + 2) % 3];
+      else c->edge[to][from] = TET_NONE;
       c->back[3 * k + (size_t)m] = (uint16_t)(to * TET_SMALL_STAR + from);
     }
   }
+  for (size_t k = 0; k < c->n_border && is_open; k++) {
+    const uint8_t *f = tet_face[c->border[k].inner & 3];
+    for (size_t m = 0; m < 3; m++) {
+      uint32_t back = c->back[3 * k + m], to = back / TET_SMALL_STAR, from = back % TET_SMALL_STAR;
+      c->edge[from][to] = 4 * slot[k] + f[(m + 2) % 3];
+    }
+  }
   for (size_t k = 0; k < c->n_border; k++) {
-    const uint8_t *f = tet_face[c->border[k].place];
+    const uint8_t *f = tet_face[c->border[k].inner & 3];
     for (size_t m = 0; m < 3; m++) c->adj[4 * (size_t)slot[k] + f[(m + 2) % 3]] = (&c->edge[0][0])[c->back[3 * k + m]];
   }
   for (uint32_t k = 0; k < n_round; k++) c->place[c->round[k]] = 0;
@@ -216,21 +243,25 @@ static void join_large(tet_complex *c, const uint32_t *slot) {
   for (size_t k = 0; k < c->n_border; k++) {
     const tet_border *b = &c->border[k];
     uint32_t n = slot[k];
-    const uint8_t *f = tet_face[b->place];
+    const uint8_t *f = tet_face[b->inner & 3];
     for (int j = 0; j < 3; j++) {
       uint32_t x = b->v[f[j]], y = b->v[f[(j + 1) % 3]], h = 4 * n + f[(j + 2) % 3];
       uint64_t key = x < y ? (uint64_t)y << 32 | x : (uint64_t)x << 32 | y; /* never 0: x != y */
       size_t i = (key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & m->mask;
       while (m->key[i] && m->key[i] != key) i = (i + 1) & m->mask;
       if (m->key[i]) tet_link(c, h, m->handle[i]);
+      else c->adj[h] = TET_NONE; /* where the border is open, for good */
       m->key[i] = key;
       m->handle[i] = h;
     }
   }
 }
 
-/* A closed surface of triangles has two of them for each vertex but two. */
-static int is_small(const tet_complex *c) { return c->n_border / 2 + 2 <= TET_SMALL_STAR; }
+/* A closed surface of triangles has two of them for each vertex but two, an open one no more
+ * vertices than triangles and two. */
+static int is_small(const tet_complex *c) {
+  return (c->is_walled ? c->n_border : c->n_border / 2) + 2 <= TET_SMALL_STAR;
+}
 
 /* Memory for join_large. */
 static tet_status make_map(tet_complex *c) {
@@ -245,17 +276,19 @@ static tet_status make_map(tet_complex *c) {
 
 /* Replaces the cavity by tetrahedra from the vertex to its border, in the slots c->cavity has now
  * one for each of. */
-static void fill(tet_complex *c) {
+static inline __attribute__((always_inline)) void fill(tet_complex *c, int is_walled) {
   uint32_t *slot = c->cavity;
   for (size_t k = 0; k < c->n_border; k++) {
     const tet_border *b = &c->border[k];
-    uint32_t n = slot[k], h = 4 * n + b->place;
+    uint32_t n = slot[k], h = 4 * n + (b->inner & 3);
     memcpy(c->v + 4 * (size_t)n, b->v, sizeof b->v);
     tet_set_flag(c, n, c->owner);
+    c->adj[h] = b->outer;
+    if (is_walled && b->outer == TET_NONE) continue;
     tet_set_flag(c, b->outer >> 2, c->owner);
-    tet_link(c, h, b->outer);
+    c->adj[b->outer] = h;
   }
-  if (is_small(c)) join_small(c, slot);
+  if (is_small(c)) join_small(c, slot, is_walled);
   else join_large(c, slot);
   for (size_t k = c->n_border; k < c->n_cavity; k++) tet_complex_delete(c, slot[k]);
   c->last = slot[0];
@@ -307,8 +340,8 @@ tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
   if (!found && !tet_complex_conflict(c, t, p)) return tet_internal(c->ctx, "a located vertex without conflict");
   while (status == TET_OK && collect(c, t, p, &k) == ROOM) status = make_room(c);
   if (status == TET_OK) status = prepare(c);
-  if (status == TET_OK) fill(c);
-  else forget(c);
+  if (status == TET_OK) fill(c, 0);
+  else tet_complex_forget(c);
   return status;
 }
 
@@ -325,12 +358,34 @@ tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
   *ret_done = 0;
   if (is_taken(c, t, p) || owned_conflict(c, t, p) != 1) return TET_OK;
   if (collect(c, t, p, &k) != DONE || !has_room(c)) {
-    forget(c);
+    tet_complex_forget(c);
     return TET_OK;
   }
   tet_status status = prepare(c);
   if (status != TET_OK) return status;
-  fill(c);
+  fill(c, 0);
   *ret_done = 1;
   return TET_OK;
+}
+
+tet_status tet_complex_grow(tet_complex *c, uint32_t p) {
+  size_t k = 0;
+  tet_status status = TET_OK;
+  c->n_border = 0;
+  for (;;) {
+#if TET_HAVE_AVX2
+    outcome o = tet_has_avx2() ? search_walled_avx2(c, &k, p) : search_walled(c, &k, p);
+#else
+    outcome o = search_walled(c, &k, p);
+#endif
+    if (o == DONE) return TET_OK;
+    status = make_room(c);
+    if (status != TET_OK) return status;
+  }
+}
+
+tet_status tet_complex_fill(tet_complex *c) {
+  tet_status status = prepare(c);
+  if (status == TET_OK) fill(c, 1);
+  return status;
 }

@@ -31,7 +31,7 @@ int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex) {
 int refine_sub_encroached(const refiner *r, uint32_t s) {
   for (int side = 0; side < 2; side++) {
     uint32_t h = r->sub_side[2 * (size_t)s + side];
-    if (h != TET_NONE && refine_sub_hit_by(r, s, r->tet_v[h])) return 1;
+    if (h != TET_NONE && refine_sub_hit_by(r, s, r->mesh.v[h])) return 1;
   }
   return 0;
 }
@@ -46,7 +46,7 @@ tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by) {
   tet_status status = refine_seg_star(r, e, star);
   *ret_by = TET_NONE;
   for (uint32_t k = 0; k < 4 * star->n && !status; k++) {
-    uint32_t v = r->tet_v[4 * (size_t)star->at[k / 4] + k % 4];
+    uint32_t v = r->mesh.v[4 * (size_t)star->at[k / 4] + k % 4];
     if (v == a || v == b || v == last) continue;
     last = v;
     if (!refine_seg_hit_by(r, e, v)) continue;
@@ -72,16 +72,16 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
   tet_status status = TET_OK;
   r->hit_segs.n = 0;
   if (subfaces) r->hit_subs.n = 0;
-  for (uint32_t k = 0; k < c->tets.n && !status; k++) {
-    uint32_t t = c->tets.at[k];
-    const uint32_t *v = r->tet_v + 4 * (size_t)t;
-    for (int e = 0; e < 6 && r->tet_edges[t] & 63 && !status; e++) {
+  for (uint32_t k = 0; k < r->mesh.n_cavity && !status; k++) {
+    uint32_t t = r->mesh.cavity[k];
+    const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+    for (int e = 0; e < 6 && r->tet_edges[t] & EDGES && !status; e++) {
       uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
       if (!(r->tet_edges[t] >> e & 1) || tet_dot_sign(&r->points, a, b, c->p) >= 0) continue;
       status = push_new(r, &r->hit_segs, refine_find_seg(r, a, b));
     }
     for (uint32_t i = 0; i < 4 && subfaces && !status; i++) {
-      uint32_t s = r->tet_sub[4 * (size_t)t + i];
+      uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint8_t *f = tet_face[i];
       if (refine_sub_hit_by(r, s, c->p) || tet_orient3d(&r->points, c->p, v[f[0]], v[f[1]], v[f[2]]) <= 0)
@@ -92,7 +92,7 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
 }
 
 static tet_status queue_hit_segs(refiner *r, uint32_t n) {
-  const uint32_t *v = r->tet_v + 4 * (size_t)n;
+  const uint32_t *v = r->mesh.v + 4 * (size_t)n;
   for (int e = 0; e < 6; e++) {
     if (!(r->tet_edges[n] >> e & 1)) continue;
     uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
@@ -107,10 +107,10 @@ static tet_status queue_hit_segs(refiner *r, uint32_t n) {
 /* Queues what the new tetrahedron n leaves to do: itself, and subsegments and
  * subfaces at it. */
 tet_status refine_look_at(refiner *r, uint32_t n) {
-  tet_status status = r->tet_edges[n] & 63 ? queue_hit_segs(r, n) : TET_OK;
+  tet_status status = r->tet_edges[n] & EDGES ? queue_hit_segs(r, n) : TET_OK;
   for (uint32_t h = 4 * n; h < 4 * n + 4 && !status; h++) {
-    uint32_t s = r->tet_sub[h];
-    if (s != TET_NONE && refine_sub_hit_by(r, s, r->tet_v[h])) status = refine_queue_sub(r, s);
+    uint32_t s = refine_sub_at(r, h);
+    if (s != TET_NONE && refine_sub_hit_by(r, s, r->mesh.v[h])) status = refine_queue_sub(r, s);
   }
   return status ? status : refine_queue_tet(r, n);
 }

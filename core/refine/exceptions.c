@@ -10,7 +10,7 @@
  * from all sharp subsegments at once. */
 static tet_status nearest_sharp(refiner *r, uint32_t *label, uint32_t *queue) {
   uint32_t n = 0;
-  memset(label, 0xff, (size_t)r->n_tets * sizeof *label);
+  memset(label, 0xff, (size_t)r->mesh.n_slots * sizeof *label);
   refine_list star = {0};
   for (uint32_t e = 0; e < r->n_segs; e++) {
     if (!r->segment_sharp[r->seg_of[e]]) continue;
@@ -29,7 +29,7 @@ static tet_status nearest_sharp(refiner *r, uint32_t *label, uint32_t *queue) {
   tet_free(r->ctx, star.at);
   for (uint32_t k = 0; k < n; k++)
     for (uint32_t h = 4 * queue[k]; h < 4 * queue[k] + 4; h++) {
-      uint32_t u = r->tet_adj[h];
+      uint32_t u = r->mesh.adj[h];
       if (u == TET_NONE || label[u >> 2] != TET_NONE) continue;
       label[u >> 2] = label[queue[k]];
       queue[n++] = u >> 2;
@@ -44,7 +44,7 @@ tet_status refine_list_exceptions(refiner *r) {
   refine_shape shape;
   tet_status status = TET_OK;
   uint32_t row = 0;
-  for (uint32_t t = 0; t < r->n_tets && !status; t++) {
+  for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++) {
     if (!refine_alive(r, t)) continue;
     refine_measure(r, t, &shape);
     if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, &shape)) {
@@ -59,8 +59,8 @@ tet_status refine_list_exceptions(refiner *r) {
     ret->exception_tet = tet_alloc(r->ctx, n, sizeof *ret->exception_tet);
     ret->exception_value = tet_alloc(r->ctx, n, sizeof *ret->exception_value);
     ret->exception_segment = tet_alloc(r->ctx, n, sizeof *ret->exception_segment);
-    label = tet_alloc(r->ctx, n ? r->n_tets : 0, sizeof *label);
-    queue = tet_alloc(r->ctx, n ? r->n_tets : 0, sizeof *queue);
+    label = tet_alloc(r->ctx, n ? r->mesh.n_slots : 0, sizeof *label);
+    queue = tet_alloc(r->ctx, n ? r->mesh.n_slots : 0, sizeof *queue);
     if (!ret->exception_tet || !ret->exception_value || !ret->exception_segment || !label || !queue)
       status = TET_E_MEMORY;
   }
@@ -92,12 +92,12 @@ tet_status refine_check(refiner *r) {
   }
   for (uint32_t s = 0; s < r->n_subs && ret->gabriel; s++)
     ret->gabriel = r->sub_v[3 * (size_t)s] == TET_NONE || !refine_sub_encroached(r, s);
-  for (uint32_t t = 0; t < r->n_tets; t++) {
+  for (uint32_t t = 0; t < r->mesh.n_slots; t++) {
     if (!refine_alive(r, t)) continue;
-    const uint32_t *v = r->tet_v + 4 * (size_t)t;
+    const uint32_t *v = r->mesh.v + 4 * (size_t)t;
     for (uint32_t h = 4 * t; h < 4 * t + 4; h++) {
-      if (r->tet_sub[h] != TET_NONE || r->tet_adj[h] < h) continue;
-      uint32_t apex = r->tet_v[r->tet_adj[h]];
+      if (refine_sub_at(r, h) != TET_NONE || r->mesh.adj[h] < h) continue;
+      uint32_t apex = r->mesh.v[r->mesh.adj[h]];
       if (tet_insphere(&r->points, v[0], v[1], v[2], v[3], apex) > 0) ret->n_not_delaunay++;
     }
   }

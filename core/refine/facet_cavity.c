@@ -6,7 +6,7 @@
 #include "refine/refiner.h"
 
 static int in_conflict(const refiner *r, uint32_t s, uint32_t p) {
-  const uint32_t *v = r->tet_v + 4 * (size_t)(r->sub_side[2 * (size_t)s] >> 2);
+  const uint32_t *v = r->mesh.v + 4 * (size_t)(r->sub_side[2 * (size_t)s] >> 2);
   return tet_insphere_sos(&r->points, v[0], v[1], v[2], v[3], p) > 0;
 }
 

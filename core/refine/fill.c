@@ -1,144 +1,96 @@
 // SPDX-License-Identifier: Apache-2.0
-/* fill.c: retriangulates a trimmed cavity: one tetrahedron from p to each boundary
- * face, one subface from p to each rim edge, two subsegments for a split one.
- * Neighbours are found by turning around the boundary's edges through the old
- * tetrahedra, without hashing. */
+/* fill.c: retriangulates a trimmed cavity: tetrahedra from p to its border by the kernel,
+ * one subface from p to each rim edge, two subsegments for a split one; and hands on what
+ * the faces, edges and tetrahedra there carry. */
 #include "refine/refiner.h"
 
-/* Face `by` of a new tetrahedron takes the place of face `was`. */
-static void take_face(refiner *r, uint32_t by, uint32_t was) {
-  uint32_t outer = r->tet_adj[was], s = r->tet_sub[was];
-  r->tet_adj[by] = outer;
-  if (outer != TET_NONE) r->tet_adj[outer] = by;
-  r->tet_sub[by] = s;
-  if (s == TET_NONE) return;
-  uint32_t *side = r->sub_side + 2 * (size_t)s;
-  side[side[0] != was] = by;
-}
-
-/* A tetrahedron p, f0, f1, f2 on boundary face h; tet_adj[h] becomes its number. */
-static tet_status span_face(refiner *r, uint32_t h) {
-  uint32_t n, t = h >> 2;
-  tet_status status = refine_new_tet(r, &n);
-  if (!status) status = refine_push(r, &r->cavity.faces_new, n);
-  if (status) return status;
-  const uint8_t *f = tet_face[h & 3];
-  size_t at = 4 * (size_t)n;
-  r->tet_v[at] = r->cavity.p;
-  for (int j = 0; j < 3; j++) r->tet_v[at + 1 + j] = r->tet_v[4 * (size_t)t + f[j]];
-  take_face(r, 4 * n, h);
-  r->tet_region[n] = r->tet_region[t];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < i; j++)
-      if (r->tet_edges[t] >> refine_edge_of[f[i]][f[j]] & 1)
-        r->tet_edges[n] |= (uint8_t)(1 << refine_edge_of[i + 1][j + 1]);
-  r->tet_adj[h] = n;
-  return TET_OK;
-}
-
-/* The rim edge ab of replaced subface s, or TET_NONE. */
-static uint32_t rim_edge(const refiner *r, uint32_t s, uint32_t a, uint32_t b) {
-  const refine_cavity *c = &r->cavity;
-  for (uint32_t k = 0; k < c->rim.n; k++) {
-    uint32_t h = c->rim.at[k];
-    if (h / 3 != s) continue;
-    uint32_t x = r->sub_v[h], y = r->sub_v[3 * s + (h + 1) % 3];
-    if ((x == a && y == b) || (x == b && y == a)) return k;
-  }
-  return TET_NONE;
-}
-
-/* Turns from boundary face h through the cavity around the edge of h without its
- * k-th vertex (0 to 2): to the next boundary face, or to a wall, or TET_NONE at the
- * domain's boundary, and over at most one rim edge. 0 if the cavity is folded there. */
-static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_face, uint32_t *ret_rim) {
-  uint32_t t = h >> 2, i = h & 3, j = tet_face[i][k], apex = r->tet_v[4 * (size_t)t + i];
-  uint32_t a = r->tet_v[4 * (size_t)t + tet_face[i][(k + 1) % 3]];
-  uint32_t b = r->tet_v[4 * (size_t)t + tet_face[i][(k + 2) % 3]];
-  *ret_face = *ret_rim = TET_NONE;
-  for (;;) {
-    size_t exit = 4 * (size_t)t + j;
-    if (r->tet_mark[t] >> j & 1) {
-      *ret_face = (uint32_t)exit;
-      return 1;
-    }
-    if (refine_is_wall(r, (uint32_t)exit)) {
-      *ret_face = (uint32_t)exit;
-      return 1;
-    }
-    if (r->tet_sub[exit] != TET_NONE) {
-      if (*ret_rim != TET_NONE) return 0;
-      *ret_rim = rim_edge(r, r->tet_sub[exit], a, b);
-      if (*ret_rim == TET_NONE) return 0;
-    }
-    uint32_t next = r->tet_adj[exit];
-    if (next == TET_NONE) return *ret_rim != TET_NONE;
-    t = next >> 2;
-    j = refine_corner(r, t, apex);
-    apex = r->tet_v[4 * (size_t)t + (next & 3)];
-  }
-}
-
-/* *ret_ok = 1 if the rim is one closed star in each patch, cut open at a split
- * subsegment alone, and every rim edge parts the boundary. Rounding can fold a
- * cavity at needles; such a one is not filled. Changes rim_new. */
-tet_status refine_cavity_is_sound(refiner *r, int *ret_ok) {
-  refine_cavity *c = &r->cavity;
-  tet_status status = TET_OK;
-  uint32_t a = c->segment == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)c->segment];
-  uint32_t b = c->segment == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)c->segment + 1];
-  *ret_ok = 1;
-  c->rim_new.n = 0;
-  for (uint32_t k = 0; k < c->rim.n && !status; k++) {
-    uint32_t h = c->rim.at[k], s = h / 3, x = r->sub_v[h], y = r->sub_v[3 * s + (h + 1) % 3], before = 0, after = 0;
-    for (uint32_t i = 0; i < c->rim.n; i++) {
-      uint32_t g = c->rim.at[i], u = g / 3;
-      if (r->sub_patch[u] != r->sub_patch[s]) continue;
-      after += r->sub_v[g] == y;
-      before += r->sub_v[3 * u + (g + 1) % 3] == x;
-    }
-    if ((y != a && y != b && after != 1) || (x != a && x != b && before != 1)) *ret_ok = 0;
-    status = refine_push(r, &c->rim_new, 0);
-  }
-  for (uint32_t q = 0; q < c->faces.n && *ret_ok && !status; q++)
-    for (uint32_t k = 0; k < 3 && *ret_ok; k++) {
-      uint32_t face, rim;
-      *ret_ok = turn(r, c->faces.at[q], k, &face, &rim);
-      if (*ret_ok && rim != TET_NONE) c->rim_new.at[rim]++;
-    }
-  for (uint32_t k = 0; k < c->rim.n && *ret_ok && !status; k++) *ret_ok = c->rim_new.at[k] > 0;
-  c->rim_new.n = 0;
-  return status;
-}
+/* The edges that face i shares, of refine_edge. */
+static const uint8_t edges_of_face[4] = {0x38, 0x26, 0x15, 0x0b};
 
 void refine_hang(refiner *r, uint32_t sub, uint32_t h) {
   r->tet_sub[h] = sub;
+  r->mesh.wall[h >> 2] |= (uint8_t)(1 << (h & 3));
   uint32_t *side = r->sub_side + 2 * (size_t)sub;
   side[side[0] != TET_NONE] = h;
 }
 
-/* Finds what is beyond face k of the tetrahedron n that spans boundary face h: the
- * next boundary face around the edge, and the new subface on the way. */
-static tet_status glue(refiner *r, uint32_t h, uint32_t n, uint32_t k) {
-  uint32_t face, rim, here = 4 * n + k, there = TET_NONE;
-  if (!turn(r, h, k - 1, &face, &rim)) return tet_internal(r->ctx, "a cavity is folded");
-  if (face != TET_NONE && !(r->tet_mark[face >> 2] >> (face & 3) & 1)) { /* a wall */
-    take_face(r, here, face);
+/* Subface s, which face `was` had, is at face h now. */
+void refine_take_sub(refiner *r, uint32_t s, uint32_t was, uint32_t h) {
+  r->tet_sub[h] = s;
+  r->mesh.wall[h >> 2] |= (uint8_t)(1 << (h & 3));
+  uint32_t *side = r->sub_side + 2 * (size_t)s;
+  side[side[0] != was] = h;
+}
+
+/* Notes what the new tetrahedra take over, before their slots are written. */
+static tet_status note(refiner *r) {
+  refine_cavity *c = &r->cavity;
+  const tet_complex *m = &r->mesh;
+  tet_status status = tet_grow(r->ctx, &c->carry, &c->cap_carry, m->n_border, sizeof *c->carry);
+  for (size_t k = 0; k < m->n_border && !status; k++) {
+    uint32_t h = m->border[k].inner, t = h >> 2;
+    c->carry[k] = (refine_carry){refine_sub_at(r, h), r->tet_region[t], r->tet_edges[t] & edges_of_face[h & 3]};
+  }
+  c->n_spokes = 0;
+  for (size_t k = 0; k < m->n_cavity && c->restar && !status; k++)
+    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++) {
+      if (!refine_is_spoke(r, h)) continue;
+      status = tet_grow(r->ctx, &c->spoke, &c->cap_spoke, (size_t)c->n_spokes + 1, sizeof *c->spoke);
+      if (status) break;
+      refine_spoke *s = &c->spoke[c->n_spokes++];
+      *s = (refine_spoke){TET_NONE, TET_NONE, refine_sub_at(r, h), h, m->adj[h]};
+      for (int j = 0; j < 3; j++) {
+        uint32_t v = m->v[(h & ~(size_t)3) + tet_face[h & 3][j]];
+        if (v != c->p) s->b = s->a, s->a = v;
+      }
+    }
+  return status;
+}
+
+/* Gives face h = p, a, b of a new tetrahedron the rim's new subface, or the one that it has had
+ * since before. Both are known by the edge ab. */
+static tet_status fit_face(refiner *r, uint32_t h, uint32_t a, uint32_t b) {
+  refine_cavity *c = &r->cavity;
+  for (uint32_t k = 0; k < c->rim.n; k++) {
+    const uint32_t s = c->rim_new.at[k], *v = r->sub_v + 3 * (size_t)s;
+    if ((v[0] != a || v[1] != b) && (v[0] != b || v[1] != a)) continue;
+    if (r->sub_side[2 * (size_t)s + 1] != TET_NONE) return tet_internal(r->ctx, "a subface with three sides");
+    refine_hang(r, s, h);
     return TET_OK;
   }
-  if (face != TET_NONE) {
-    uint32_t m = r->tet_adj[face], corner = 1;
-    const uint32_t *v = r->tet_v + 4 * (size_t)n;
-    uint32_t a = v[k == 1 ? 2 : 1], b = v[k == 3 ? 2 : 3];
-    while (r->tet_v[4 * (size_t)m + corner] == a || r->tet_v[4 * (size_t)m + corner] == b) corner++;
-    there = 4 * m + corner;
-    r->tet_adj[there] = here;
+  for (uint32_t k = 0; k < c->n_spokes; k++) {
+    const refine_spoke *s = &c->spoke[k];
+    if ((s->a != a || s->b != b) && (s->a != b || s->b != a)) continue;
+    r->mesh.adj[h] = s->outer;
+    if (s->outer != TET_NONE) r->mesh.adj[s->outer] = h;
+    refine_take_sub(r, s->sub, s->inner, h);
+    return TET_OK;
   }
-  r->tet_adj[here] = there;
-  if (rim == TET_NONE) return TET_OK;
-  refine_hang(r, r->cavity.rim_new.at[rim], here);
-  if (there != TET_NONE) refine_hang(r, r->cavity.rim_new.at[rim], there);
-  return TET_OK;
+  return r->mesh.adj[h] == TET_NONE ? tet_internal(r->ctx, "a cavity is folded") : TET_OK;
+}
+
+/* Gives the new tetrahedra what belongs to them. */
+static tet_status furnish(refiner *r) {
+  refine_cavity *c = &r->cavity;
+  tet_complex *m = &r->mesh;
+  c->n_made = (uint32_t)m->n_border;
+  for (uint32_t k = 0; k < c->n_made; k++) {
+    const refine_carry *carry = &c->carry[k];
+    uint32_t n = m->cavity[k], inner = m->border[k].inner;
+    r->tet_region[n] = carry->region;
+    r->tet_edges[n] = carry->edges;
+    m->wall[n] = 0;
+    if (carry->sub != TET_NONE) refine_take_sub(r, carry->sub, inner, 4 * n + (inner & 3));
+  }
+  if (!c->rim.n && !c->n_spokes) return TET_OK;
+  tet_status status = TET_OK;
+  for (uint32_t k = 0; k < c->n_made; k++) {
+    const tet_border *b = &m->border[k];
+    const uint8_t *f = tet_face[b->inner & 3];
+    for (int j = 0; j < 3 && !status; j++)
+      status = fit_face(r, 4 * m->cavity[k] + f[j], b->v[f[(j + 1) % 3]], b->v[f[(j + 2) % 3]]);
+  }
+  return status;
 }
 
 /* Swaps what follows edge handles g and h: joins or parts their rings. */
@@ -227,13 +179,14 @@ static void mark_edges(refiner *r, uint32_t e, uint32_t f, int loose) {
   refine_cavity *c = &r->cavity;
   uint32_t a = e == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)e];
   uint32_t b = e == TET_NONE ? TET_NONE : r->seg_v[2 * (size_t)f + 1];
-  for (uint32_t k = 0; k < c->faces_new.n; k++) {
-    uint32_t n = c->faces_new.at[k];
-    const uint32_t *v = r->tet_v + 4 * (size_t)n;
-    for (int i = 1; i < 4 && (e != TET_NONE || c->restar); i++)
-      if (v[i] == a || v[i] == b || (c->restar && refine_find_seg(r, c->p, v[i]) != TET_NONE)) r->tet_edges[n] |= (uint8_t)(1 << refine_edge_of[0][i]);
-    if (!loose) continue;
-    for (int i = 0; i < 6; i++) {
+  if (e == TET_NONE && !c->restar && !loose) return;
+  for (uint32_t k = 0; k < c->n_made; k++) {
+    uint32_t n = r->mesh.cavity[k], p = r->mesh.border[k].inner & 3;
+    const uint32_t *v = r->mesh.v + 4 * (size_t)n;
+    for (uint32_t i = 0; i < 4; i++)
+      if (i != p && (v[i] == a || v[i] == b || (c->restar && refine_find_seg(r, c->p, v[i]) != TET_NONE)))
+        r->tet_edges[n] |= (uint8_t)(1 << refine_edge_of[p][i]);
+    for (int i = 0; i < 6 && loose; i++) {
       if (!(r->tet_edges[n] >> i & 1)) continue;
       uint32_t g = refine_find_seg(r, v[refine_edge[i][0]], v[refine_edge[i][1]]);
       if (r->seg_sub[g] != TET_NONE) continue;
@@ -248,28 +201,19 @@ tet_status refine_fill(refiner *r) {
   refine_cavity *c = &r->cavity;
   uint32_t e = c->segment, f = TET_NONE;
   int loose = 0;
-  for (uint32_t k = 0; k < c->tets.n; k++)
-    if (r->tet_mark[c->tets.at[k]] & MARK_IN) loose |= r->tet_edges[c->tets.at[k]] & EDGE_LOOSE;
+  for (size_t k = 0; k < r->mesh.n_cavity; k++) loose |= r->tet_edges[r->mesh.cavity[k]] & EDGE_LOOSE;
   tet_status status = span_rim(r);
-  for (uint32_t k = 0; k < c->faces.n && !status; k++) status = span_face(r, c->faces.at[k]);
-  for (uint32_t q = 0; q < c->faces.n && !status; q++)
-    for (uint32_t k = 1; k < 4 && !status; k++) {
-      uint32_t here = 4 * c->faces_new.at[q] + k;
-      if (r->tet_adj[here] == TET_NONE && r->tet_sub[here] == TET_NONE)
-        status = glue(r, c->faces.at[q], c->faces_new.at[q], k);
-    }
+  if (!status) status = note(r);
+  if (!status) status = refine_reserve_tets(r, r->mesh.n_border);
+  if (!status) status = tet_complex_fill(&r->mesh);
+  if (!status) status = furnish(r);
   if (!status && e != TET_NONE) status = halve(r, e, &f);
   if (!status) status = link_rim(r, e, f);
   if (status) return status;
   mark_edges(r, e, f, loose);
   if (!c->restar) refine_shepard(r, c->p, &c->vertices, &r->size[c->p], &r->sharp_size[c->p]);
-  for (uint32_t k = 0; k < c->tets.n; k++) {
-    uint32_t t = c->tets.at[k];
-    if (r->tet_mark[t] & MARK_IN) refine_free_tet(r, t);
-    else r->tet_mark[t] = 0;
-  }
-  for (uint32_t k = 0; k < c->touched.n; k++) r->tet_mark[c->touched.at[k]] = 0;
   for (uint32_t k = 0; k < c->subs.n; k++) refine_free_sub(r, c->subs.at[k]);
-  c->touched.n = c->tets.n = c->subs.n = 0;
+  c->subs.n = 0;
+  r->mesh.n_cavity = r->mesh.n_border = 0; /* nothing is left to be cleared */
   return TET_OK;
 }

@@ -53,21 +53,19 @@ static tet_status hang_subfaces(refiner *r) {
     table[i] = s;
     for (int j = 0; j < 3; j++) on[v[j]] = 1;
   }
-  for (uint32_t t = 0; t < r->n_tets && !status; t++)
+  for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++)
     for (uint32_t f = 0; f < 4; f++) {
       uint32_t v[3], found = TET_NONE, h = 4 * t + f;
-      for (int j = 0; j < 3; j++) v[j] = r->tet_v[4 * (size_t)t + tet_face[f][j]];
+      for (int j = 0; j < 3; j++) v[j] = r->mesh.v[4 * (size_t)t + tet_face[f][j]];
       if (!on[v[0]] || !on[v[1]] || !on[v[2]]) continue;
       sort3(v);
       for (uint64_t i = mix(v[0], v[1], v[2]) & mask; table[i] != TET_NONE; i = (i + 1) & mask)
         if (same_face(v, r->sub_v + 3 * (size_t)table[i])) found = table[i];
       if (found == TET_NONE) continue;
-      r->tet_sub[h] = found;
-      uint32_t *side = r->sub_side + 2 * (size_t)found;
-      side[side[0] != TET_NONE] = h;
+      refine_hang(r, found, h);
     }
-  for (size_t h = 0; h < 4 * (size_t)r->n_tets && !status; h++)
-    if (r->tet_adj[h] == TET_NONE && r->tet_sub[h] == TET_NONE)
+  for (size_t h = 0; h < 4 * (size_t)r->mesh.n_slots && !status; h++)
+    if (r->mesh.adj[h] == TET_NONE && refine_sub_at(r, h) == TET_NONE)
       status = tet_internal(r->ctx, "a boundary face is no subface");
   for (uint32_t s = 0; s < r->n_subs && !status; s++)
     if (r->sub_side[2 * (size_t)s] == TET_NONE) status = tet_internal(r->ctx, "a subface is no face");
@@ -178,9 +176,9 @@ static tet_status mark_edges(refiner *r) {
   uint8_t *on = tet_calloc(r->ctx, r->points.n, 1);
   if (!on) return TET_E_MEMORY;
   for (size_t i = 0; i < 2 * (size_t)r->n_segs; i++) on[r->seg_v[i]] = 1;
-  for (uint32_t t = 0; t < r->n_tets; t++)
+  for (uint32_t t = 0; t < r->mesh.n_slots; t++)
     for (int e = 0; e < 6; e++) {
-      uint32_t a = r->tet_v[4 * (size_t)t + refine_edge[e][0]], b = r->tet_v[4 * (size_t)t + refine_edge[e][1]];
+      uint32_t a = r->mesh.v[4 * (size_t)t + refine_edge[e][0]], b = r->mesh.v[4 * (size_t)t + refine_edge[e][1]];
       if (!on[a] || !on[b]) continue;
       uint32_t g = refine_find_seg(r, a, b);
       if (g == TET_NONE) continue;
@@ -255,11 +253,13 @@ static tet_status take_over(refiner *r) {
     if (fabs(p->points[i]) > r->points.max_abs) r->points.max_abs = fabs(p->points[i]);
   r->cap_x = 3 * (size_t)n;
   r->cap_origin = r->cap_carrier = n;
-  r->tet_v = p->tets;
-  r->tet_adj = p->adj;
+  tet_complex_init(&r->mesh, r->ctx, &r->points);
+  r->mesh.is_walled = 1;
+  r->mesh.v = p->tets;
+  r->mesh.adj = p->adj;
+  r->mesh.n_slots = r->mesh.n_live = p->n_tets;
+  r->mesh.cap_v = r->mesh.cap_adj = 4 * (size_t)p->n_tets;
   r->tet_region = p->region;
-  r->n_tets = p->n_tets;
-  r->cap_tet_v = r->cap_tet_adj = 4 * (size_t)p->n_tets;
   r->cap_tet_region = p->n_tets;
   r->sub_v = p->subface;
   r->n_subs = p->n_subfaces;
@@ -271,15 +271,11 @@ static tet_status take_over(refiner *r) {
   r->cap_seg_of = p->n_subsegs;
   p->tets = p->adj = p->region = p->subface = p->subseg = p->subseg_segment = NULL;
   p->n_tets = p->n_subfaces = p->n_subsegs = 0;
-  r->free_tet = r->free_sub = TET_NONE;
+  r->free_sub = TET_NONE;
 
-  size_t t = r->n_tets, s = r->n_subs, e = r->n_segs;
-  tet_status status = tet_grow(r->ctx, &r->size, &r->cap_size, n, sizeof *r->size);
-  if (!status) status = tet_grow(r->ctx, &r->sharp_size, &r->cap_sharp_size, n, sizeof *r->sharp_size);
-  if (!status) status = tet_grow(r->ctx, &r->stamp, &r->cap_stamp, n, sizeof *r->stamp);
-  if (!status) status = tet_grow(r->ctx, &r->tet_sub, &r->cap_tet_sub, 4 * t, sizeof *r->tet_sub);
-  if (!status) status = tet_grow(r->ctx, &r->tet_edges, &r->cap_tet_edges, t, 1);
-  if (!status) status = tet_grow(r->ctx, &r->tet_mark, &r->cap_tet_mark, t, 1);
+  size_t t = r->mesh.n_slots, s = r->n_subs, e = r->n_segs;
+  tet_status status = refine_reserve_vertices(r, n);
+  if (!status) status = refine_reserve_tets(r, 0);
   if (!status) status = tet_grow(r->ctx, &r->sub_side, &r->cap_sub_side, 2 * s, sizeof *r->sub_side);
   if (!status) status = tet_grow(r->ctx, &r->sub_seg, &r->cap_sub_seg, 3 * s, sizeof *r->sub_seg);
   if (!status) status = tet_grow(r->ctx, &r->ring, &r->cap_ring, 3 * s, sizeof *r->ring);
@@ -292,9 +288,9 @@ static tet_status take_over(refiner *r) {
   set_bytes(r->size, 0, n * sizeof *r->size);
   set_bytes(r->sharp_size, 0, n * sizeof *r->sharp_size);
   set_bytes(r->stamp, 0, n * sizeof *r->stamp);
-  set_bytes(r->tet_sub, 0xff, 4 * t * sizeof *r->tet_sub);
+  set_bytes(r->mesh.flag, 0, t);
+  set_bytes(r->mesh.wall, 0, t);
   set_bytes(r->tet_edges, 0, t);
-  set_bytes(r->tet_mark, 0, t);
   set_bytes(r->sub_side, 0xff, 2 * s * sizeof *r->sub_side);
   set_bytes(r->sub_mark, 0, s);
   set_bytes(r->seg_sub, 0xff, e * sizeof *r->seg_sub);

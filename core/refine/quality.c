@@ -9,7 +9,7 @@
 static const double slack = 1 + 1e-10;
 
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret) {
-  const uint32_t *v = r->tet_v + 4 * (size_t)t;
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   const double *o = refine_x(r, v[0]);
   double d[3][3], n[3][3], l[3];
   for (int k = 0; k < 3; k++) {
@@ -49,4 +49,14 @@ int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s) {
   double most = region < r->out->n_regions ? r->out->region_max_volume[region] : 0;
   if (r->o.max_volume > 0 && s->volume > r->o.max_volume * slack) return 1;
   return most > 0 && s->volume > most * slack;
+}
+
+/* Order O2 (Table 3.2): short edges first; over the volume alone (R3.2 waits for R3.1):
+ * large ones first. */
+int refine_is_bad(const refiner *r, uint32_t t, int *ret_late, double *ret_key) {
+  refine_shape shape;
+  refine_measure(r, t, &shape);
+  *ret_late = !refine_over_ratio(r, &shape);
+  *ret_key = *ret_late ? 1 / shape.volume : shape.shortest2;
+  return !*ret_late || refine_over_volume(r, t, &shape);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* queue.c: what waits to be split. Subsegments and subfaces first come first
- * served; tetrahedra by key. Entries hold vertices, for slots are used again. */
+ * served, by their vertices, for slots are used again; tetrahedra by key. */
 #include "refine/refiner.h"
 
 #include <string.h>
@@ -48,62 +48,82 @@ int refine_next_sub(refiner *r, uint32_t *ret_sub) {
   return 0;
 }
 
-/* Order O2 (Table 3.2): short edges first; over the volume alone: after all
- * those over the ratio, large ones first. Ties by vertices, so that slots do not
- * matter. */
-static int before(const refine_bad *a, const refine_bad *b) {
-  if (a->rank != b->rank) return a->rank < b->rank;
-  if (a->key != b->key) return a->key < b->key;
-  return memcmp(a->v, b->v, sizeof a->v) < 0;
-}
-
-static tet_status push(refiner *r, refine_bad item) {
-  tet_status status = tet_grow(r->ctx, &r->heap, &r->cap_heap, (size_t)r->n_heap + 1, sizeof *r->heap);
-  if (status) return status;
-  uint32_t i = r->n_heap++;
-  while (i && before(&item, &r->heap[(i - 1) / 2])) {
-    r->heap[i] = r->heap[(i - 1) / 2];
-    i = (i - 1) / 2;
-  }
-  r->heap[i] = item;
+tet_status refine_open_queue(refiner *r) {
+  refine_buckets *q = &r->bad;
+  q->head = tet_alloc(r->ctx, BUCKETS, sizeof *q->head);
+  q->used = tet_calloc(r->ctx, BUCKETS / 64, sizeof *q->used);
+  if (!q->head || !q->used) return TET_E_MEMORY;
+  for (int b = 0; b < BUCKETS; b++) q->head[b] = TET_NONE;
+  q->free_chunk = TET_NONE;
   return TET_OK;
 }
 
-static refine_bad pop(refiner *r) {
-  refine_bad top = r->heap[0], last = r->heap[--r->n_heap];
-  uint32_t i = 0;
-  for (;;) {
-    uint32_t child = 2 * i + 1;
-    if (child >= r->n_heap) break;
-    if (child + 1 < r->n_heap && before(&r->heap[child + 1], &r->heap[child])) child++;
-    if (!before(&r->heap[child], &last)) break;
-    r->heap[i] = r->heap[child];
-    i = child;
+/* The bucket of t if it is over a bound, else BUCKETS: keys within a quarter of their power of
+ * two share one. */
+static uint32_t bucket_of(const refiner *r, uint32_t t) {
+  int late;
+  double key;
+  uint64_t bits;
+  if (!refine_is_bad(r, t, &late, &key)) return BUCKETS;
+  if (!(key > 0)) key = 0; /* flat */
+  memcpy(&bits, &key, sizeof bits);
+  return (uint32_t)(bits >> 50) + (late ? BUCKETS / 2 : 0);
+}
+
+static tet_status push(refiner *r, uint32_t b, uint32_t t) {
+  refine_buckets *q = &r->bad;
+  uint32_t c = q->head[b];
+  if (c == TET_NONE || q->chunk[c].n == CHUNK) {
+    uint32_t n = q->free_chunk;
+    if (n != TET_NONE) {
+      q->free_chunk = q->chunk[n].next;
+    } else {
+      tet_status status = tet_grow(r->ctx, &q->chunk, &q->cap_chunk, (size_t)q->n_chunks + 1, sizeof *q->chunk);
+      if (status) return status;
+      n = q->n_chunks++;
+    }
+    q->chunk[n].next = c;
+    q->chunk[n].n = 0;
+    q->head[b] = c = n;
+    q->used[b / 64] |= (uint64_t)1 << b % 64;
+    if (b / 64 < q->low) q->low = b / 64;
   }
-  if (r->n_heap) r->heap[i] = last;
-  return top;
+  q->chunk[c].tet[q->chunk[c].n++] = t;
+  return TET_OK;
+}
+
+/* The last of the least bucket; 0: none. */
+static int pop(refine_buckets *q, uint32_t *ret_bucket, uint32_t *ret_tet) {
+  while (q->low < BUCKETS / 64 && !q->used[q->low]) q->low++;
+  if (q->low == BUCKETS / 64) return 0;
+  uint32_t b = 64 * q->low + (uint32_t)__builtin_ctzll(q->used[q->low]), c = q->head[b];
+  *ret_bucket = b;
+  *ret_tet = q->chunk[c].tet[--q->chunk[c].n];
+  if (q->chunk[c].n) return 1;
+  q->head[b] = q->chunk[c].next;
+  if (q->head[b] == TET_NONE) q->used[b / 64] &= ~((uint64_t)1 << b % 64);
+  q->chunk[c].next = q->free_chunk;
+  q->free_chunk = c;
+  return 1;
 }
 
 /* Queues tetrahedron t if it is over a bound. */
 tet_status refine_queue_tet(refiner *r, uint32_t t) {
   if (!r->watch_tets) return TET_OK;
-  refine_shape shape;
-  refine_measure(r, t, &shape);
-  refine_bad item = {shape.shortest2, 0, t, {0}};
-  if (!refine_over_ratio(r, &shape)) {
-    if (!refine_over_volume(r, t, &shape)) return TET_OK;
-    item.rank = 1; /* R3.2 waits for R3.1 */
-    item.key = -shape.volume;
-  }
-  memcpy(item.v, r->tet_v + 4 * (size_t)t, sizeof item.v);
-  return push(r, item);
+  uint32_t b = bucket_of(r, t);
+  if (b == BUCKETS) return TET_OK;
+  r->tet_edges[t] |= TET_QUEUED;
+  return push(r, b, t);
 }
 
+/* Entries are numbers alone: one whose slot has another tetrahedron by now tells by that
+ * not being queued, or not from this bucket. */
 int refine_next_tet(refiner *r, uint32_t *ret_tet) {
-  while (r->n_heap) {
-    refine_bad item = pop(r);
-    if (memcmp(item.v, r->tet_v + 4 * (size_t)item.tet, sizeof item.v) != 0) continue;
-    *ret_tet = item.tet;
+  uint32_t b, t;
+  while (pop(&r->bad, &b, &t)) {
+    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t) != b) continue;
+    r->tet_edges[t] &= (uint8_t)~TET_QUEUED;
+    *ret_tet = t;
     return 1;
   }
   return 0;

@@ -33,14 +33,15 @@ static tet_status queue_encroached(refiner *r) {
 static tet_status queue_bad(refiner *r) {
   tet_status status = TET_OK;
   r->watch_tets = 1;
-  for (uint32_t t = 0; t < r->n_tets && !status; t++) {
+  for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++) {
     if (refine_alive(r, t)) status = refine_queue_tet(r, t);
     if (!status && (t & 1023) == 0) status = tet_poll(r->ctx);
   }
   return status;
 }
 
-/* Applies the first rule that can be; *ret_more = 0 when none is left. */
+/* Applies the first rule that can be; *ret_more = 0 when none is left. What reshaped cavities
+ * left to repair waits for R1 and R2, which heal most of it. */
 static tet_status step(refiner *r, int *ret_more) {
   uint32_t item;
   refine_outcome outcome;
@@ -52,6 +53,7 @@ static tet_status step(refiner *r, int *ret_more) {
   }
   if (refine_next_sub(r, &item))
     return refine_sub_encroached(r, item) ? refine_split_sub(r, item, CAUSE_VERTEX, &outcome) : TET_OK;
+  if (r->stuck.n) return refine_repair_stuck(r);
   if (refine_next_tet(r, &item)) return refine_split_tet(r, item, &outcome);
   *ret_more = 0;
   return TET_OK;
@@ -66,7 +68,7 @@ static tet_status drain(refiner *r) {
     if (!status) status = tet_poll(r->ctx);
     const tet_refine_result *n = &r->result;
     uint64_t done = n->segment_points + n->facet_points + n->volume_points;
-    if ((done & 127) == 0) tet_progress_report(r->ctx, -1, r->points.n, r->n_tets - r->n_free_tets, done);
+    if ((done & 127) == 0) tet_progress_report(r->ctx, -1, r->points.n, r->mesh.n_live, done);
   }
   return status;
 }
@@ -95,6 +97,7 @@ tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options
                     options->max_volume);
   refiner r = {.ctx = ctx, .o = *options, .out = pieces};
   tet_status status = refine_load(&r);
+  if (!status) status = refine_open_queue(&r);
   if (!status) status = refine_find_sharp(&r);
   if (!status) status = refine_lfs(&r);
   if (!status) status = run(&r);

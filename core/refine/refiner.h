@@ -19,17 +19,24 @@
 
 #include "exact/points.h"
 #include "exact/predicates.h"
+#include "mesh/complex.h"
 #include "refine/refine.h"
 
-/* tet_mark: bits 0 to 3 the cavity's boundary faces, and: */
+#include <string.h>
+
+/* mesh.flag of the cavity's tetrahedra, beside the kernel's: the bits are those of its
+ * threads, of which there is one here. */
 enum {
-  MARK_IN = 16,      /* in the cavity */
-  MARK_OUT = 32,     /* tested: not in conflict, or taken out again */
-  MARK_NEEDED = 64,  /* at the element being split: may not be taken out */
-  MARK_REMOVED = 128 /* taken out: may not come back */
+  FLAG_NEEDED = TET_FLAG_OWNER,     /* at the element being split: may not be taken out */
+  FLAG_REMOVED = 2 * TET_FLAG_OWNER /* taken out: may not come back */
 };
 
-enum { EDGE_LOOSE = 64 }; /* tet_edges: some edge is a subsegment of no facet */
+/* tet_edges, beside the bits of the edges. */
+enum {
+  EDGES = 63,
+  EDGE_LOOSE = 64, /* some edge is a subsegment of no facet */
+  TET_QUEUED = 128 /* waits to be split */
+};
 
 /* What a candidate is split for (R1*, 3.4.1). */
 typedef enum refine_cause {
@@ -50,11 +57,23 @@ typedef struct refine_patch {
   double normal[3];  /* unit */
 } refine_patch;
 
-/* A tetrahedron over a bound, by its vertices: slots are reused. */
-typedef struct refine_bad {
-  double key; /* least first */
-  uint32_t rank, tet, v[4];
-} refine_bad;
+enum { CHUNK = 30, BUCKETS = 2 << 13 };
+
+/* Some of a bucket's tetrahedra. */
+typedef struct refine_chunk {
+  uint32_t next, n, tet[CHUNK];
+} refine_chunk;
+
+/* Tetrahedra over a bound by buckets of about equal keys, least first; in a bucket the last
+ * comes first. */
+typedef struct refine_buckets {
+  uint32_t *head;       /* [BUCKETS] first chunk, or TET_NONE */
+  uint64_t *used;       /* [BUCKETS / 64] bits of the buckets that have any */
+  uint32_t low;         /* no word of `used` below it has a bit */
+  refine_chunk *chunk;
+  uint32_t n_chunks, free_chunk;
+  size_t cap_chunk;
+} refine_buckets;
 
 typedef struct refine_waiting {
   uint32_t item, v[3];
@@ -66,21 +85,35 @@ typedef struct refine_list {
   size_t cap;
 } refine_list;
 
-/* The region that a candidate p would retriangulate, and how. */
+/* What a new tetrahedron has from the one that its border face bounded. */
+typedef struct refine_carry {
+  uint32_t sub, region;
+  uint8_t edges;
+} refine_carry;
+
+/* A subface at a vertex made anew, which stays, as the edge opposite. */
+typedef struct refine_spoke {
+  uint32_t a, b, sub, inner, outer;
+} refine_spoke;
+
+/* What a candidate p would retriangulate, and how, beside mesh.cavity and mesh.border. */
 typedef struct refine_cavity {
   uint32_t p;            /* vertex, the last one */
   uint32_t segment;      /* subsegment being split, or TET_NONE */
   uint32_t sub;          /* subface being split, or TET_NONE */
   int restar;            /* 1: p is a vertex already, its tetrahedra part of the cavity */
   int reshaped;          /* 1: not all of, or more than, the conflict region */
-  refine_list tets;      /* in the cavity */
-  refine_list touched;   /* marked otherwise */
+  uint32_t n_made;       /* after the fill: mesh.cavity has so many new tetrahedra */
+  int loses_vertex;      /* 1: not all vertices are on the border */
+  refine_list removed;   /* tetrahedra taken out */
   refine_list subs;      /* subfaces replaced */
   refine_list rim;       /* edge handles of `subs` that stay */
   refine_list rim_new;   /* the subface that each rim edge spans with p */
-  refine_list faces;     /* boundary face handles */
-  refine_list faces_new; /* the tetrahedron that each spans with p */
-  refine_list vertices;  /* of the boundary */
+  refine_list vertices;  /* of the border */
+  refine_carry *carry;   /* [border] */
+  refine_spoke *spoke;
+  uint32_t n_spokes;
+  size_t cap_carry, cap_spoke;
 } refine_cavity;
 
 typedef struct refiner {
@@ -88,19 +121,18 @@ typedef struct refiner {
   tet_refine_options o;
   tet_pieces *out;
   tet_points points; /* a view of out->points */
-  size_t cap_x, cap_origin, cap_carrier, cap_size, cap_sharp_size, cap_stamp;
+  size_t cap_x, cap_origin, cap_carrier, cap_size, cap_sharp_size, cap_stamp, cap_vertices;
   uint32_t n_first;  /* vertices of the CDT */
   double *size;       /* [vertex] H_1 (4.5) */
   double *sharp_size; /* [vertex] the same, 0 at vertices on no sharp dihedral angle */
   uint32_t *stamp;    /* [vertex] scratch */
   uint32_t stamp_now;
 
-  uint32_t n_tets, n_free_tets, free_tet;
-  uint32_t *tet_v, *tet_adj, *tet_sub; /* [t][4]; tet_sub: subface at the face, or TET_NONE */
+  tet_complex mesh;  /* walled; TET_NONE beyond the domain; walls are subfaces */
+  uint32_t *tet_sub; /* [slots][4] subface at a face that is a wall */
   uint32_t *tet_region;
-  uint8_t *tet_edges; /* bit e: edge e (of refine_edge_of) is a subsegment */
-  uint8_t *tet_mark;
-  size_t cap_tet_v, cap_tet_adj, cap_tet_sub, cap_tet_region, cap_tet_edges, cap_tet_mark;
+  uint8_t *tet_edges; /* bit e: edge e (of refine_edge_of) is a subsegment; and more */
+  size_t cap_tet_sub, cap_tet_region, cap_tet_edges;
 
   uint32_t n_subs, free_sub;
   uint32_t *sub_v;     /* [s][3]; sub_v[3s] == TET_NONE: free, next in sub_v[3s+1] */
@@ -134,14 +166,13 @@ typedef struct refiner {
   refine_list hit_segs, hit_subs; /* encroached by a candidate */
   refine_list star;               /* scratch */
   refine_list suspects;           /* face handles after a reshaped cavity */
+  refine_list stuck;              /* those that no flip repaired */
 
   refine_waiting *seg_queue, *sub_queue;
   uint32_t n_seg_queue, at_seg_queue, n_sub_queue, at_sub_queue;
   size_t cap_seg_queue, cap_sub_queue;
   int watch_tets; /* 1: R3 has begun */
-  refine_bad *heap;
-  uint32_t n_heap;
-  size_t cap_heap;
+  refine_buckets bad;
 
   tet_refine_result result;
 } refiner;
@@ -151,16 +182,24 @@ extern const uint8_t refine_edge[6][2];
 extern const uint8_t refine_edge_of[4][4];
 
 static inline const double *refine_x(const refiner *r, uint32_t v) { return r->points.x + 3 * (size_t)v; }
-static inline int refine_alive(const refiner *r, uint32_t t) { return r->tet_v[4 * (size_t)t] != TET_NONE; }
+static inline int refine_alive(const refiner *r, uint32_t t) { return tet_is_live(&r->mesh, t); }
+/* The subface at face h, or TET_NONE. */
+static inline uint32_t refine_sub_at(const refiner *r, size_t h) {
+  return r->mesh.wall[h >> 2] >> (h & 3) & 1 ? r->tet_sub[h] : TET_NONE;
+}
 static inline uint32_t refine_corner(const refiner *r, uint32_t t, uint32_t vertex) {
-  const uint32_t *v = r->tet_v + 4 * (size_t)t;
-  return v[0] == vertex ? 0 : v[1] == vertex ? 1 : v[2] == vertex ? 2 : v[3] == vertex ? 3 : 4;
+  return (uint32_t)tet_index_of(&r->mesh, t, vertex);
+}
+/* 1 if t still is the tetrahedron v: slots are used again. */
+static inline int refine_is_tet(const refiner *r, uint32_t t, const uint32_t v[4]) {
+  return refine_alive(r, t) && memcmp(v, r->mesh.v + 4 * (size_t)t, 4 * sizeof *v) == 0;
 }
 
 /* store.c: memory, and to and from the pieces. */
 tet_status refine_push(refiner *r, refine_list *list, uint32_t value);
+tet_status refine_reserve_tets(refiner *r, size_t n);
+tet_status refine_reserve_vertices(refiner *r, size_t n);
 tet_status refine_new_tet(refiner *r, uint32_t *ret_tet);
-void refine_free_tet(refiner *r, uint32_t t);
 tet_status refine_new_sub(refiner *r, uint32_t *ret_sub);
 void refine_free_sub(refiner *r, uint32_t s);
 tet_status refine_new_seg(refiner *r, uint32_t *ret_seg);
@@ -194,13 +233,15 @@ int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
 int refine_is_positive(const refiner *r, const uint32_t v[4]);
 
-/* cavity.c, facet_cavity.c, fill.c */
+/* cavity.c, facet_cavity.c, sound.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
 tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet);
 tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least);
 tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least);
+tet_status refine_cavity_vertices(refiner *r);
 tet_status refine_cavity_trim(refiner *r, int *ret_ok);
-int refine_is_wall(const refiner *r, uint32_t h);
+int refine_is_spoke(const refiner *r, uint32_t h);
+int refine_is_border(const refiner *r, uint32_t h);
 void refine_cavity_clear(refiner *r);
 tet_status refine_facet_cavity_grow(refiner *r);
 int refine_facet_cavity_trim(refiner *r);
@@ -209,6 +250,7 @@ tet_status refine_facet_cavity_rim(refiner *r);
 tet_status refine_cavity_is_sound(refiner *r, int *ret_ok);
 tet_status refine_fill(refiner *r);
 void refine_hang(refiner *r, uint32_t sub, uint32_t h);
+void refine_take_sub(refiner *r, uint32_t s, uint32_t was, uint32_t h);
 void refine_link(refiner *r, uint32_t g, uint32_t h);
 void refine_replace_edge(refiner *r, uint32_t h, uint32_t by);
 
@@ -227,6 +269,7 @@ int refine_next_seg(refiner *r, uint32_t *ret_seg);
 int refine_next_sub(refiner *r, uint32_t *ret_sub);
 tet_status refine_queue_tet(refiner *r, uint32_t t);
 int refine_next_tet(refiner *r, uint32_t *ret_tet);
+tet_status refine_open_queue(refiner *r);
 
 /* quality.c */
 typedef struct refine_shape {
@@ -235,6 +278,9 @@ typedef struct refine_shape {
   uint32_t short_a, short_b; /* ends of the shortest edge */
 } refine_shape;
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
+/* 1 if t is over a bound, and then where it comes: *ret_late after all others, *ret_key least
+ * first. */
+int refine_is_bad(const refiner *r, uint32_t t, int *ret_late, double *ret_key);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
 int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
 
@@ -246,6 +292,7 @@ tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret);
 
 /* repair.c */
 tet_status refine_repair(refiner *r);
+tet_status refine_repair_stuck(refiner *r);
 tet_status refine_repair_all(refiner *r);
 
 /* exceptions.c */

@@ -20,7 +20,7 @@ typedef struct flip {
 static uint32_t same_face(const refiner *r, uint32_t u, const uint32_t *v, uint32_t i) {
   uint32_t found = 4;
   for (uint32_t k = 0; k < 4; k++) {
-    uint32_t w = r->tet_v[4 * (size_t)u + k];
+    uint32_t w = r->mesh.v[4 * (size_t)u + k];
     if (w == v[tet_face[i][0]] || w == v[tet_face[i][1]] || w == v[tet_face[i][2]]) continue;
     if (found != 4) return 4;
     found = k;
@@ -46,19 +46,18 @@ static tet_status join(refiner *r, const flip *f, uint32_t m, uint32_t i) {
   for (uint32_t k = 0; k < f->n_new; k++) {
     uint32_t j = k == m ? 4 : same_face(r, f->made[k], v, i);
     if (j == 4) continue;
-    r->tet_adj[h] = 4 * f->made[k] + j;
+    r->mesh.adj[h] = 4 * f->made[k] + j;
     return TET_OK;
   }
   if (s != TET_NONE) return TET_OK; /* nothing beyond */
   for (uint32_t k = 0; k < f->n_old; k++) {
     uint32_t j = same_face(r, f->old[k], v, i);
     if (j == 4) continue;
-    uint32_t was = 4 * f->old[k] + j, beyond = r->tet_adj[was];
-    s = r->tet_sub[was];
-    r->tet_adj[h] = beyond;
-    if (beyond != TET_NONE) r->tet_adj[beyond] = h;
-    r->tet_sub[h] = s;
-    if (s != TET_NONE) r->sub_side[2 * (size_t)s + (r->sub_side[2 * (size_t)s] != was)] = h;
+    uint32_t was = 4 * f->old[k] + j, beyond = r->mesh.adj[was];
+    s = refine_sub_at(r, was);
+    r->mesh.adj[h] = beyond;
+    if (beyond != TET_NONE) r->mesh.adj[beyond] = h;
+    if (s != TET_NONE) refine_take_sub(r, s, was, h);
     return TET_OK;
   }
   return tet_internal(r->ctx, "a flip leaves a face open");
@@ -110,7 +109,7 @@ static tet_status apply(refiner *r, flip *f) {
   for (uint32_t m = 0; m < f->n_new && !status; m++) {
     status = refine_new_tet(r, &f->made[m]);
     if (status) return status;
-    memcpy(r->tet_v + 4 * (size_t)f->made[m], f->v[m], sizeof f->v[m]);
+    memcpy(r->mesh.v + 4 * (size_t)f->made[m], f->v[m], sizeof f->v[m]);
     r->tet_region[f->made[m]] = f->region[m];
     r->tet_edges[f->made[m]] = edges_of(r, f, f->v[m]);
   }
@@ -125,7 +124,7 @@ static tet_status apply(refiner *r, flip *f) {
     }
     for (uint32_t i = 0; i < 4 && !status; i++) status = refine_push(r, &r->suspects, 4 * n + i);
   }
-  for (uint32_t k = 0; k < f->n_old; k++) refine_free_tet(r, f->old[k]);
+  for (uint32_t k = 0; k < f->n_old; k++) tet_complex_delete(&r->mesh, f->old[k]);
   for (uint32_t m = 0; m < f->n_new && !status; m++) status = refine_look_at(r, f->made[m]);
   r->result.repair_flips++;
   return status;
@@ -151,18 +150,18 @@ static int ring_of(const refiner *r, uint32_t t, uint32_t x, uint32_t y, flip *f
   do {
     if (f->n_old == MOST) return 0;
     uint32_t u = h >> 2, in = h & 3, out = 6 - in - refine_corner(r, u, x) - refine_corner(r, u, y);
-    ret_link[f->n_old] = r->tet_v[4 * (size_t)u + out];
+    ret_link[f->n_old] = r->mesh.v[4 * (size_t)u + out];
     f->old[f->n_old++] = u;
-    if (r->tet_sub[4 * (size_t)u + out] != TET_NONE) return 0;
-    h = r->tet_adj[4 * (size_t)u + out];
+    if (refine_sub_at(r, 4 * (size_t)u + out) != TET_NONE) return 0;
+    h = r->mesh.adj[4 * (size_t)u + out];
   } while (h >> 2 != t);
   return 1;
 }
 
 /* Flips face i of t away, beyond which is apex e; 0 if that cannot be. */
 static int flip_face(const refiner *r, uint32_t t, uint32_t i, flip *f) {
-  const uint32_t *v = r->tet_v + 4 * (size_t)t;
-  uint32_t d = v[i], u = r->tet_adj[4 * (size_t)t + i] >> 2, e = r->tet_v[r->tet_adj[4 * (size_t)t + i]];
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  uint32_t d = v[i], u = r->mesh.adj[4 * (size_t)t + i] >> 2, e = r->mesh.v[r->mesh.adj[4 * (size_t)t + i]];
   uint32_t p[3] = {v[tet_face[i][0]], v[tet_face[i][1]], v[tet_face[i][2]]}, link[MOST];
   int side[3], all = 1;
   /* d sees the outward face p0 p1 p2 from behind: > 0 where de passes inside */
@@ -200,13 +199,13 @@ static int flip_face(const refiner *r, uint32_t t, uint32_t i, flip *f) {
 /* Flips edge xy of a facet under face i of t: the tetrahedra on both sides of that
  * face stand on subfaces xyd and xye. 0 if that cannot be. */
 static int flip_facet(const refiner *r, uint32_t t, uint32_t i, flip *f) {
-  uint32_t u = r->tet_adj[4 * (size_t)t + i] >> 2, d = r->tet_v[4 * (size_t)t + i];
-  uint32_t e = r->tet_v[r->tet_adj[4 * (size_t)t + i]];
+  uint32_t u = r->mesh.adj[4 * (size_t)t + i] >> 2, d = r->mesh.v[4 * (size_t)t + i];
+  uint32_t e = r->mesh.v[r->mesh.adj[4 * (size_t)t + i]];
   for (int k = 0; k < 3; k++) {
-    uint32_t x = r->tet_v[4 * (size_t)t + tet_face[i][k]], y = r->tet_v[4 * (size_t)t + tet_face[i][(k + 1) % 3]];
-    uint32_t z = r->tet_v[4 * (size_t)t + tet_face[i][(k + 2) % 3]];
+    uint32_t x = r->mesh.v[4 * (size_t)t + tet_face[i][k]], y = r->mesh.v[4 * (size_t)t + tet_face[i][(k + 1) % 3]];
+    uint32_t z = r->mesh.v[4 * (size_t)t + tet_face[i][(k + 2) % 3]];
     uint32_t ft = 4 * t + refine_corner(r, t, z), fu = 4 * u + refine_corner(r, u, z);
-    uint32_t s = r->tet_sub[ft], q = r->tet_sub[fu], bt = r->tet_adj[ft], bu = r->tet_adj[fu];
+    uint32_t s = refine_sub_at(r, ft), q = refine_sub_at(r, fu), bt = r->mesh.adj[ft], bu = r->mesh.adj[fu];
     if (s == TET_NONE || q == TET_NONE || r->sub_patch[s] != r->sub_patch[q] ||
         r->sub_seg[sub_edge(r, s, x, y)] != TET_NONE || (bt == TET_NONE) != (bu == TET_NONE)) continue;
     *f = (flip){.n_old = 2, .old = {t, u}, .n_subs = 2, .old_sub = {s, q}};
@@ -217,8 +216,8 @@ static int flip_facet(const refiner *r, uint32_t t, uint32_t i, flip *f) {
     if (tet_orient2d(&r->points, axis, a, e, d) <= 0 || tet_orient2d(&r->points, axis, b, d, e) <= 0) continue;
     if (!propose(r, f, odd, x, e, z, d) || !propose(r, f, odd, e, y, z, d)) continue;
     if (bt == TET_NONE) return 1;
-    uint32_t w = r->tet_v[bt], over = 4 * (bt >> 2) + refine_corner(r, bt >> 2, d);
-    if (r->tet_v[bu] != w || r->tet_sub[over] != TET_NONE || r->tet_adj[over] >> 2 != bu >> 2) continue;
+    uint32_t w = r->mesh.v[bt], over = 4 * (bt >> 2) + refine_corner(r, bt >> 2, d);
+    if (r->mesh.v[bu] != w || refine_sub_at(r, over) != TET_NONE || r->mesh.adj[over] >> 2 != bu >> 2) continue;
     f->old[2] = bt >> 2;
     f->old[3] = bu >> 2;
     f->n_old = 4;
@@ -233,8 +232,8 @@ static int flip_facet(const refiner *r, uint32_t t, uint32_t i, flip *f) {
 }
 
 static int is_delaunay(const refiner *r, uint32_t h) {
-  const uint32_t *v = r->tet_v + 4 * (size_t)(h >> 2);
-  return tet_insphere_sos(&r->points, v[0], v[1], v[2], v[3], r->tet_v[r->tet_adj[h]]) <= 0;
+  const uint32_t *v = r->mesh.v + 4 * (size_t)(h >> 2);
+  return tet_insphere_sos(&r->points, v[0], v[1], v[2], v[3], r->mesh.v[r->mesh.adj[h]]) <= 0;
 }
 
 /* Triangulates the surroundings of vertex p, a corner of t, anew from p, if that
@@ -251,41 +250,60 @@ static tet_status restar(refiner *r, uint32_t p, uint32_t t, int *ret_ok) {
     return TET_OK;
   }
   status = refine_fill(r);
-  for (uint32_t k = 0; k < c->faces_new.n && !status; k++) status = refine_look_at(r, c->faces_new.at[k]);
+  for (uint32_t k = 0; k < c->n_made && !status; k++) status = refine_look_at(r, r->mesh.cavity[k]);
   r->result.repair_flips++;
   return status;
 }
 
-/* Makes face h, which is not Delaunay, go. */
-static tet_status repair_face(refiner *r, uint32_t h) {
+/* Makes face h, which is not Delaunay, go: by a flip, or if `thorough` by a star made anew. */
+static tet_status repair_face(refiner *r, uint32_t h, int thorough) {
   flip f = {0};
   int ok;
   if (flip_face(r, h >> 2, h & 3, &f) || flip_facet(r, h >> 2, h & 3, &f)) return apply(r, &f);
-  tet_status status = restar(r, r->tet_v[h], h >> 2, &ok);
+  if (!thorough) return refine_push(r, &r->stuck, h);
+  tet_status status = restar(r, r->mesh.v[h], h >> 2, &ok);
   if (status || ok) return status;
-  return restar(r, r->tet_v[r->tet_adj[h]], r->tet_adj[h] >> 2, &ok);
+  return restar(r, r->mesh.v[r->mesh.adj[h]], r->mesh.adj[h] >> 2, &ok);
 }
 
-/* A 4-4 or 2-3 flip must not undo what another did: the total is bounded. */
-tet_status refine_repair(refiner *r) {
+static int is_broken(const refiner *r, uint32_t h) {
+  return refine_alive(r, h >> 2) && refine_sub_at(r, h) == TET_NONE && !is_delaunay(r, h);
+}
+
+/* Repairs the suspects. A 4-4 or 2-3 flip must not undo what another did: the total is bounded. */
+static tet_status repair(refiner *r, int thorough) {
+  refine_list *suspects = &r->suspects;
   tet_status status = TET_OK;
-  uint32_t budget = 100 + 10 * r->suspects.n;
-  while (r->suspects.n && budget-- && !status) {
-    uint32_t h = r->suspects.at[--r->suspects.n];
-    if (!refine_alive(r, h >> 2) || r->tet_sub[h] != TET_NONE || is_delaunay(r, h)) continue;
-    status = repair_face(r, h);
+  uint32_t n = 0;
+  for (uint32_t k = 0; k < suspects->n; k++)
+    if (is_broken(r, suspects->at[k])) suspects->at[n++] = suspects->at[k];
+  suspects->n = n;
+  for (uint32_t budget = 100 + 10 * n; suspects->n && budget && !status; budget--) {
+    uint32_t h = suspects->at[--suspects->n];
+    if (is_broken(r, h)) status = repair_face(r, h, thorough);
   }
-  r->suspects.n = 0;
+  suspects->n = 0;
   return status;
+}
+
+/* Repairs by flips alone; what sticks waits for refine_repair_stuck, as R1 and R2 heal most of it. */
+tet_status refine_repair(refiner *r) { return r->suspects.n ? repair(r, 0) : TET_OK; }
+
+tet_status refine_repair_stuck(refiner *r) {
+  refine_list list = r->suspects;
+  r->suspects = r->stuck;
+  r->stuck = list;
+  r->stuck.n = 0;
+  return repair(r, 1);
 }
 
 /* Repairs wherever there is something to repair. */
 tet_status refine_repair_all(refiner *r) {
   tet_status status = TET_OK;
-  for (uint32_t h = 0; h < 4 * r->n_tets && !status; h++) {
-    if (!refine_alive(r, h >> 2) || r->tet_sub[h] != TET_NONE || r->tet_adj[h] < h || is_delaunay(r, h)) continue;
+  for (uint32_t h = 0; h < 4 * r->mesh.n_slots && !status; h++) {
+    if (r->mesh.adj[h] < h || !is_broken(r, h)) continue;
     status = refine_push(r, &r->suspects, h);
-    if (!status) status = refine_repair(r);
+    if (!status) status = repair(r, 1);
   }
   return status;
 }

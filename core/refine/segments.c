@@ -60,10 +60,10 @@ static tet_status walk_fan(refiner *r, uint32_t h, uint32_t a, uint32_t b, refin
     /* leave through the other face at ab */
     uint32_t i = h & 3, j = 0;
     for (uint32_t k = 0; k < 4; k++)
-      if (k != i && r->tet_v[4 * (size_t)t + k] != a && r->tet_v[4 * (size_t)t + k] != b) j = k;
+      if (k != i && r->mesh.v[4 * (size_t)t + k] != a && r->mesh.v[4 * (size_t)t + k] != b) j = k;
     size_t exit = 4 * (size_t)t + j;
-    if (r->tet_sub[exit] != TET_NONE || r->tet_adj[exit] == TET_NONE) return TET_OK;
-    h = r->tet_adj[exit];
+    if (refine_sub_at(r, exit) != TET_NONE || r->mesh.adj[exit] == TET_NONE) return TET_OK;
+    h = r->mesh.adj[exit];
     if (h >> 2 == first) return TET_OK;
   }
 }

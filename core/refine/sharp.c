@@ -69,13 +69,13 @@ static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
   for (;; steps++) {
     uint32_t t = h >> 2, i = h & 3, j = 0;
     for (uint32_t k = 0; k < 4; k++)
-      if (k != i && r->tet_v[4 * (size_t)t + k] != a && r->tet_v[4 * (size_t)t + k] != b) j = k;
-    if (!steps) arm(r, a, b, r->tet_v[4 * (size_t)t + j], first);
-    x = r->tet_v[4 * (size_t)t + i];
+      if (k != i && r->mesh.v[4 * (size_t)t + k] != a && r->mesh.v[4 * (size_t)t + k] != b) j = k;
+    if (!steps) arm(r, a, b, r->mesh.v[4 * (size_t)t + j], first);
+    x = r->mesh.v[4 * (size_t)t + i];
     if (!steps) arm(r, a, b, x, second);
     size_t exit = 4 * (size_t)t + j;
-    if (r->tet_sub[exit] != TET_NONE || r->tet_adj[exit] == TET_NONE) break;
-    h = r->tet_adj[exit];
+    if (refine_sub_at(r, exit) != TET_NONE || r->mesh.adj[exit] == TET_NONE) break;
+    h = r->mesh.adj[exit];
   }
   arm(r, a, b, x, last);
   double c = tet_dot(first, last);

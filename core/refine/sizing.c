@@ -160,9 +160,9 @@ static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, doubl
 /* Squared length of the shortest edge at each vertex: the nearest visible vertex. */
 static void shortest_edges2(refiner *r) {
   for (uint32_t v = 0; v < r->n_first; v++) r->size[v] = INFINITY;
-  for (uint32_t t = 0; t < r->n_tets; t++)
+  for (uint32_t t = 0; t < r->mesh.n_slots; t++)
     for (int e = 0; e < 6; e++) {
-      uint32_t a = r->tet_v[4 * (size_t)t + refine_edge[e][0]], b = r->tet_v[4 * (size_t)t + refine_edge[e][1]];
+      uint32_t a = r->mesh.v[4 * (size_t)t + refine_edge[e][0]], b = r->mesh.v[4 * (size_t)t + refine_edge[e][1]];
       const double *x = refine_x(r, a), *y = refine_x(r, b);
       double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
       if (d < r->size[a]) r->size[a] = d;
@@ -242,17 +242,17 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
   double share = wedged ? r->o.crowd_facets : r->o.crowd, wide = room * share * share;
   room *= r->o.crowd * r->o.crowd;
   uint32_t own = c->segment == TET_NONE ? TET_NONE : r->seg_of[c->segment];
-  for (uint32_t k = 0; k < c->tets.n; k++) {
-    uint32_t t = c->tets.at[k];
-    const uint32_t *v = r->tet_v + 4 * (size_t)t;
-    for (int e = 0; e < 6 && r->tet_edges[t] & 63; e++) {
+  for (uint32_t k = 0; k < r->mesh.n_cavity; k++) {
+    uint32_t t = r->mesh.cavity[k];
+    const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+    for (int e = 0; e < 6 && r->tet_edges[t] & EDGES; e++) {
       if (!(r->tet_edges[t] >> e & 1)) continue;
       uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
       if (edge_distance2(refine_x(r, a), refine_x(r, b), x) < room && r->seg_of[refine_find_seg(r, a, b)] != own)
         return 1;
     }
     for (uint32_t i = 0; i < 4; i++) {
-      uint32_t s = r->tet_sub[4 * (size_t)t + i];
+      uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint32_t *w = r->sub_v + 3 * (size_t)s;
       if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < wide &&

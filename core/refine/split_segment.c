@@ -26,10 +26,12 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
   }
   if (status || !*ret_ok) return status;
   status = refine_fill(r);
-  for (uint32_t k = 0; k < c->faces_new.n && !status; k++) status = refine_look_at(r, c->faces_new.at[k]);
-  for (uint32_t k = 0; k < 4 * c->faces_new.n && c->reshaped && !status; k++)
-    status = refine_push(r, &r->suspects, 4 * c->faces_new.at[k / 4] + k % 4);
-  return status || !c->reshaped ? status : refine_repair(r);
+  for (uint32_t k = 0; k < c->n_made && !status; k++) status = refine_look_at(r, r->mesh.cavity[k]);
+  for (uint32_t k = 0; k < 4 * c->n_made && c->reshaped && !status; k++) {
+    uint32_t h = 4 * r->mesh.cavity[k / 4] + k % 4;
+    if (r->mesh.v[h] == c->p || r->mesh.adj[h] > h) status = refine_push(r, &r->suspects, h);
+  }
+  return status ? status : refine_repair(r);
 }
 
 static double distance(const refiner *r, uint32_t a, uint32_t b) {

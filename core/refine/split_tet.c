@@ -23,7 +23,7 @@ static tet_status split_hits(refiner *r, refine_outcome *ret) {
 
 /* Inserts x for tetrahedron t, or splits `instead` what it encroaches upon. */
 static tet_status try_point(refiner *r, uint32_t t, const double x[3], int instead, refine_outcome *ret) {
-  const uint32_t *corner = r->tet_v + 4 * (size_t)t;
+  const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   *ret = OUTCOME_REJECTED;
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
@@ -40,14 +40,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
   if (!hit) {
-    uint32_t now = ++r->stamp_now;
-    c->vertices.n = 0;
-    for (uint32_t k = 0; k < 4 * c->tets.n && !status; k++) {
-      uint32_t v = r->tet_v[4 * (size_t)c->tets.at[k / 4] + k % 4];
-      if (r->stamp[v] == now) continue;
-      r->stamp[v] = now;
-      status = refine_push(r, &c->vertices, v);
-    }
+    status = refine_cavity_vertices(r);
     if (status) return status;
     if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, 0, CAUSE_CENTRE)) {
       r->result.rejected.protected_ball++;
@@ -91,7 +84,7 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   for (int f = 0; f < 4; f++) {
     const double *c[3];
     double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0;
-    for (int j = 0; j < 3; j++) c[j] = refine_x(r, r->tet_v[4 * (size_t)t + tet_face[f][j]]);
+    for (int j = 0; j < 3; j++) c[j] = refine_x(r, r->mesh.v[4 * (size_t)t + tet_face[f][j]]);
     for (int i = 0; i < 3; i++) {
       p[i] = c[1][i] - c[0][i];
       q[i] = c[2][i] - c[0][i];
@@ -115,7 +108,7 @@ tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
   refine_shape shape;
   uint32_t old[4];
   double x[3];
-  memcpy(old, r->tet_v + 4 * (size_t)t, sizeof old);
+  memcpy(old, r->mesh.v + 4 * (size_t)t, sizeof old);
   refine_measure(r, t, &shape);
   uint64_t noise = r->result.rejected.outside;
   tet_status status = try_point(r, t, shape.centre, 1, ret);
@@ -126,6 +119,5 @@ tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
   }
   if (!status && *ret == OUTCOME_REJECTED && off_centre(r, &shape, x)) status = try_point(r, t, x, 0, ret);
   if (status || *ret != OUTCOME_INSERTED) return status;
-  if (memcmp(old, r->tet_v + 4 * (size_t)t, sizeof old) == 0) return refine_queue_tet(r, t);
-  return TET_OK;
+  return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;
 }

@@ -3,7 +3,6 @@
  * back into pieces. Freed slots are chained and used again; no geometry here. */
 #include "refine/refiner.h"
 
-#include <string.h>
 
 const uint8_t refine_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 const uint8_t refine_edge_of[4][4] = {{9, 0, 1, 2}, {0, 9, 3, 4}, {1, 3, 9, 5}, {2, 4, 5, 9}};
@@ -17,40 +16,26 @@ tet_status refine_push(refiner *r, refine_list *list, uint32_t value) {
   return TET_OK;
 }
 
-static tet_status grow_tets(refiner *r, size_t n) {
-  tet_status status = tet_grow(r->ctx, &r->tet_v, &r->cap_tet_v, 4 * n, sizeof *r->tet_v);
-  if (!status) status = tet_grow(r->ctx, &r->tet_adj, &r->cap_tet_adj, 4 * n, sizeof *r->tet_adj);
+/* Makes sure of n more tetrahedra. */
+tet_status refine_reserve_tets(refiner *r, size_t n) {
+  tet_complex *m = &r->mesh;
+  n = m->n_free < n ? (size_t)m->n_slots + n - m->n_free : m->n_slots;
+  if (n <= m->cap_slots && n <= r->cap_tet_edges) return TET_OK;
+  tet_status status = tet_complex_reserve(m, n);
+  n = m->cap_slots;
   if (!status) status = tet_grow(r->ctx, &r->tet_sub, &r->cap_tet_sub, 4 * n, sizeof *r->tet_sub);
   if (!status) status = tet_grow(r->ctx, &r->tet_region, &r->cap_tet_region, n, sizeof *r->tet_region);
   if (!status) status = tet_grow(r->ctx, &r->tet_edges, &r->cap_tet_edges, n, 1);
-  if (!status) status = tet_grow(r->ctx, &r->tet_mark, &r->cap_tet_mark, n, 1);
   return status;
 }
 
 tet_status refine_new_tet(refiner *r, uint32_t *ret_tet) {
-  uint32_t t = r->free_tet;
-  if (t != TET_NONE) {
-    r->free_tet = r->tet_adj[4 * (size_t)t];
-    r->n_free_tets--;
-  } else {
-    if (r->n_tets >= ((uint32_t)1 << 30) - 1)
-      return tet_fail(r->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
-    tet_status status = grow_tets(r, (size_t)r->n_tets + 1);
-    if (status) return status;
-    t = r->n_tets++;
-  }
-  for (int i = 0; i < 4; i++) r->tet_sub[4 * (size_t)t + i] = r->tet_adj[4 * (size_t)t + i] = TET_NONE;
-  r->tet_edges[t] = r->tet_mark[t] = 0;
-  *ret_tet = t;
+  tet_status status = refine_reserve_tets(r, 1);
+  if (!status) status = tet_complex_new(&r->mesh, ret_tet);
+  if (status) return status;
+  for (size_t h = 4 * (size_t)*ret_tet; h < 4 * (size_t)*ret_tet + 4; h++) r->mesh.adj[h] = TET_NONE;
+  r->tet_edges[*ret_tet] = r->mesh.wall[*ret_tet] = 0;
   return TET_OK;
-}
-
-void refine_free_tet(refiner *r, uint32_t t) {
-  r->tet_v[4 * (size_t)t] = TET_NONE;
-  r->tet_adj[4 * (size_t)t] = r->free_tet;
-  r->tet_mark[t] = 0;
-  r->free_tet = t;
-  r->n_free_tets++;
 }
 
 tet_status refine_new_sub(refiner *r, uint32_t *ret_sub) {
@@ -100,6 +85,21 @@ tet_status refine_new_seg(refiner *r, uint32_t *ret_seg) {
   return TET_OK;
 }
 
+/* Makes room for n vertices. */
+tet_status refine_reserve_vertices(refiner *r, size_t n) {
+  tet_pieces *p = r->out;
+  tet_status status = tet_grow(r->ctx, &p->points, &r->cap_x, 3 * n, sizeof *p->points);
+  if (!status) status = tet_grow(r->ctx, &p->origin, &r->cap_origin, n, sizeof *p->origin);
+  if (!status) status = tet_grow(r->ctx, &p->carrier, &r->cap_carrier, n, sizeof *p->carrier);
+  if (!status) status = tet_grow(r->ctx, &r->size, &r->cap_size, n, sizeof *r->size);
+  if (!status) status = tet_grow(r->ctx, &r->sharp_size, &r->cap_sharp_size, n, sizeof *r->sharp_size);
+  if (!status) status = tet_grow(r->ctx, &r->stamp, &r->cap_stamp, n, sizeof *r->stamp);
+  if (!status) status = tet_complex_reserve_places(&r->mesh, (uint32_t)n);
+  r->points.x = p->points;
+  if (!status) r->cap_vertices = n;
+  return status;
+}
+
 /* Appends a candidate, the vertex that the predicates see until it is dropped. */
 tet_status refine_add_point(refiner *r, const double x[3], tet_origin origin, uint32_t carrier) {
   size_t n = (size_t)r->points.n + 1;
@@ -107,19 +107,13 @@ tet_status refine_add_point(refiner *r, const double x[3], tet_origin origin, ui
   if (n > tet_vertex_limit(r->ctx))
     return tet_fail(r->ctx, TET_E_VERTEX_LIMIT, "the limit of %llu vertices",
                     (unsigned long long)tet_vertex_limit(r->ctx));
-  tet_status status = tet_grow(r->ctx, &p->points, &r->cap_x, 3 * n, sizeof *p->points);
-  if (!status) status = tet_grow(r->ctx, &p->origin, &r->cap_origin, n, sizeof *p->origin);
-  if (!status) status = tet_grow(r->ctx, &p->carrier, &r->cap_carrier, n, sizeof *p->carrier);
-  if (!status) status = tet_grow(r->ctx, &r->size, &r->cap_size, n, sizeof *r->size);
-  if (!status) status = tet_grow(r->ctx, &r->sharp_size, &r->cap_sharp_size, n, sizeof *r->sharp_size);
-  if (!status) status = tet_grow(r->ctx, &r->stamp, &r->cap_stamp, n, sizeof *r->stamp);
+  tet_status status = n > r->cap_vertices ? refine_reserve_vertices(r, n + 256) : TET_OK;
   if (status) return status;
   memcpy(p->points + 3 * (n - 1), x, 3 * sizeof *x);
   p->origin[n - 1] = (uint8_t)origin;
   p->carrier[n - 1] = carrier;
   r->stamp[n - 1] = 0;
   r->size[n - 1] = r->sharp_size[n - 1] = 0;
-  r->points.x = p->points;
   r->points.n = (uint32_t)n;
   p->n_points = (uint32_t)n;
   return TET_OK;
@@ -127,31 +121,28 @@ tet_status refine_add_point(refiner *r, const double x[3], tet_origin origin, ui
 
 void refine_drop_point(refiner *r) { r->out->n_points = --r->points.n; }
 
-/* Moves live tetrahedra to the front, in order; map[old] = new. */
+/* Moves live tetrahedra to the front, in order; map[old] = new. What refinement alone needs
+ * does not come along. */
 static void pack_tets(refiner *r, uint32_t *map) {
   uint32_t n = 0;
-  for (uint32_t t = 0; t < r->n_tets; t++) map[t] = refine_alive(r, t) ? n++ : TET_NONE;
-  for (uint32_t t = 0; t < r->n_tets; t++) {
+  for (uint32_t t = 0; t < r->mesh.n_slots; t++) map[t] = refine_alive(r, t) ? n++ : TET_NONE;
+  for (uint32_t t = 0; t < r->mesh.n_slots; t++) {
     if (map[t] == TET_NONE) continue;
     size_t to = map[t];
     for (size_t i = 0; i < 4; i++) {
-      uint32_t h = r->tet_adj[4 * (size_t)t + i];
-      r->tet_v[4 * to + i] = r->tet_v[4 * (size_t)t + i];
-      r->tet_sub[4 * to + i] = r->tet_sub[4 * (size_t)t + i];
-      r->tet_adj[4 * to + i] = h == TET_NONE ? h : 4 * map[h >> 2] + (h & 3);
+      uint32_t h = r->mesh.adj[4 * (size_t)t + i];
+      r->mesh.v[4 * to + i] = r->mesh.v[4 * (size_t)t + i];
+      r->mesh.adj[4 * to + i] = h == TET_NONE ? h : 4 * map[h >> 2] + (h & 3);
     }
     r->tet_region[to] = r->tet_region[t];
-    r->tet_edges[to] = r->tet_edges[t];
   }
-  r->n_tets = n;
-  r->n_free_tets = 0;
-  r->free_tet = TET_NONE;
+  r->mesh.n_slots = n;
 }
 
 /* Packs everything back into the pieces, which own the arrays again. */
 tet_status refine_unload(refiner *r) {
   tet_pieces *p = r->out;
-  uint32_t *map = tet_alloc(r->ctx, r->n_tets, sizeof *map);
+  uint32_t *map = tet_alloc(r->ctx, r->mesh.n_slots, sizeof *map);
   uint32_t *facet = tet_alloc(r->ctx, r->n_subs, sizeof *facet);
   if (!map || !facet) {
     tet_free(r->ctx, map);
@@ -169,27 +160,27 @@ tet_status refine_unload(refiner *r) {
   p->n_subfaces = n;
   p->subface = r->sub_v;
   p->subface_facet = facet;
-  p->n_tets = r->n_tets;
-  p->tets = r->tet_v;
-  p->adj = r->tet_adj;
+  p->n_tets = r->mesh.n_slots;
+  p->tets = r->mesh.v;
+  p->adj = r->mesh.adj;
   p->region = r->tet_region;
   p->n_subsegs = r->n_segs;
   p->subseg = r->seg_v;
   p->subseg_segment = r->seg_of;
   p->cap_points = p->cap_origin = p->cap_carrier = p->n_points;
-  r->sub_v = r->tet_v = r->tet_adj = r->tet_region = r->seg_v = r->seg_of = NULL;
+  r->sub_v = r->mesh.v = r->mesh.adj = r->tet_region = r->seg_v = r->seg_of = NULL;
   return TET_OK;
 }
 
 /* Frees what the refiner still owns. */
 void refine_release(refiner *r) {
   refine_cavity *c = &r->cavity;
-  void *all[] = {r->size, r->sharp_size, r->stamp, r->tet_v, r->tet_adj, r->tet_sub, r->tet_region,
-                 r->tet_edges, r->tet_mark, r->sub_v, r->sub_side, r->sub_seg, r->ring, r->sub_patch,
-                 r->sub_mark, r->patch, r->seg_v, r->seg_of, r->seg_sub, r->seg_tet, r->seg_waiting,
-                 r->seg_table, r->segment_sharp, r->acute_end, r->vertex_facet_start, r->vertex_facet,
-                 r->segment_facet_start, r->segment_facet, c->tets.at, c->touched.at, c->subs.at,
-                 c->rim.at, c->rim_new.at, c->faces.at, c->faces_new.at, c->vertices.at,
-                 r->hit_segs.at, r->hit_subs.at, r->star.at, r->suspects.at, r->seg_queue, r->sub_queue, r->heap};
+  void *all[] = {r->size, r->sharp_size, r->stamp, r->tet_sub, r->tet_region, r->tet_edges, r->sub_v, r->sub_side,
+                 r->sub_seg, r->ring, r->sub_patch, r->sub_mark, r->patch, r->seg_v, r->seg_of, r->seg_sub,
+                 r->seg_tet, r->seg_waiting, r->seg_table, r->segment_sharp, r->acute_end, r->vertex_facet_start,
+                 r->vertex_facet, r->segment_facet_start, r->segment_facet, c->removed.at, c->subs.at, c->rim.at,
+                 c->rim_new.at, c->vertices.at, c->carry, c->spoke, r->hit_segs.at, r->hit_subs.at, r->star.at,
+                 r->suspects.at, r->stuck.at, r->seg_queue, r->sub_queue, r->bad.head, r->bad.used, r->bad.chunk};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
+  tet_complex_free(&r->mesh);
 }
