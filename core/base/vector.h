@@ -10,6 +10,8 @@ static inline void tet_minus(const double a[3], const double b[3], double d[3]) 
 
 static inline double tet_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+static inline double tet_square(const double a[3]) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
+
 /* c = a x b; c is neither a nor b */
 static inline void tet_cross(const double a[3], const double b[3], double c[3]) {
   c[0] = a[1] * b[2] - a[2] * b[1];

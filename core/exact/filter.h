@@ -25,6 +25,7 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "base/vector.h"
 #include "exact/points.h"
 
 _Static_assert(FLT_EVAL_METHOD == 0, "filters need plain double arithmetic");
@@ -62,10 +63,6 @@ static inline double tet_orient3d_majorant(const double *d, double *ret_squares)
   return fabs(d[2]) * (fabs(d[3] * d[7]) + fabs(d[4] * d[6])) +
          fabs(d[5]) * (fabs(d[0] * d[7]) + fabs(d[1] * d[6])) +
          fabs(d[8]) * (fabs(d[0] * d[4]) + fabs(d[1] * d[3]));
-}
-
-static inline double tet_square(const double *d) {
-  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
 /* Four rows relative to e. */

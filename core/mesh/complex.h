@@ -152,6 +152,10 @@ tet_status tet_complex_grow(tet_complex *c, uint32_t p);
 void tet_complex_forget(tet_complex *c);
 tet_status tet_complex_fill(tet_complex *c);
 
+/* Counts the faces of a walled complex, walls aside, with the apex beyond inside the
+ * circumsphere: those that are not locally Delaunay. */
+tet_status tet_complex_count_broken(const tet_complex *c, uint64_t *ret_n);
+
 /* Removes vertex p: its star is filled with the Delaunay tetrahedra of its link, under
  * the same perturbation, so that the complex is that of the other vertices. Errors:
  * TET_E_DEGENERATE where the others span no volume (nothing is changed); limits. */

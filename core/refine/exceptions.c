@@ -69,7 +69,7 @@ tet_status refine_list_exceptions(refiner *r) {
     uint32_t t = bad.at[2 * (size_t)k];
     refine_measure(r, t, &shape);
     ret->exception_tet[k] = bad.at[2 * (size_t)k + 1];
-    ret->exception_value[k] = sqrt(shape.radius2 / shape.shortest2);
+    ret->exception_value[k] = refine_radius_edge(&shape);
     ret->exception_segment[k] = label[t];
   }
   if (!status) ret->n_exceptions = n;
@@ -79,8 +79,15 @@ tet_status refine_list_exceptions(refiner *r) {
   return status;
 }
 
-/* Looks at every face, subface and subsegment once more. */
-tet_status refine_check(refiner *r) {
+/* Looks at every face once more. */
+tet_status refine_check_delaunay(refiner *r) {
+  tet_status status = tet_complex_count_broken(&r->mesh, &r->result.n_not_delaunay);
+  r->result.constrained_delaunay = !r->result.n_not_delaunay;
+  return status;
+}
+
+/* Looks at every subface and subsegment once more. */
+tet_status refine_check_gabriel(refiner *r) {
   tet_refine_result *ret = &r->result;
   ret->gabriel = 1;
   for (uint32_t e = 0; e < r->n_segs && ret->gabriel; e++) {
@@ -92,15 +99,5 @@ tet_status refine_check(refiner *r) {
   }
   for (uint32_t s = 0; s < r->n_subs && ret->gabriel; s++)
     ret->gabriel = r->sub_v[3 * (size_t)s] == TET_NONE || !refine_sub_encroached(r, s);
-  for (uint32_t t = 0; t < r->mesh.n_slots; t++) {
-    if (!refine_alive(r, t)) continue;
-    const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-    for (uint32_t h = 4 * t; h < 4 * t + 4; h++) {
-      if (refine_sub_at(r, h) != TET_NONE || r->mesh.adj[h] < h) continue;
-      uint32_t apex = r->mesh.v[r->mesh.adj[h]];
-      if (tet_insphere(&r->points, v[0], v[1], v[2], v[3], apex) > 0) ret->n_not_delaunay++;
-    }
-  }
-  ret->constrained_delaunay = !ret->n_not_delaunay;
   return TET_OK;
 }

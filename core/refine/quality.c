@@ -3,60 +3,64 @@
  * (3.2.1). In doubles: no combinatorial decision is taken here. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 
 /* Room for rounding between us and whoever measures again. */
 static const double slack = 1 + 1e-10;
 
+static inline double least(double a, double b) { return a < b ? a : b; }
+
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   const double *o = refine_x(r, v[0]);
-  double d[3][3], n[3][3], l[3];
-  for (int k = 0; k < 3; k++) {
-    const double *x = refine_x(r, v[k + 1]);
-    for (int i = 0; i < 3; i++) d[k][i] = x[i] - o[i];
-    l[k] = d[k][0] * d[k][0] + d[k][1] * d[k][1] + d[k][2] * d[k][2];
-  }
-  ret->shortest2 = l[0];
-  ret->short_a = v[0];
-  ret->short_b = v[1];
-  for (int k = 0; k < 3; k++) {
-    const double *a = d[(k + 1) % 3], *b = d[(k + 2) % 3];
-    double e2 = 0;
-    for (int i = 0; i < 3; i++) {
-      n[k][i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-      e2 += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    if (l[k] < ret->shortest2) ret->shortest2 = l[k], ret->short_a = v[0], ret->short_b = v[k + 1];
-    if (e2 < ret->shortest2) ret->shortest2 = e2, ret->short_a = v[(k + 1) % 3 + 1], ret->short_b = v[(k + 2) % 3 + 1];
-  }
-  double det = d[0][0] * n[0][0] + d[0][1] * n[0][1] + d[0][2] * n[0][2];
-  ret->volume = det / 6;
-  ret->radius2 = 0;
-  for (int i = 0; i < 3; i++) {
-    double c = (l[0] * n[0][i] + l[1] * n[1][i] + l[2] * n[2][i]) / (2 * det);
-    ret->radius2 += c * c;
-    ret->centre[i] = o[i] + c;
-  }
+  double a[3], b[3], c[3], bc[3], ca[3], ab[3], e[3];
+  tet_minus(refine_x(r, v[1]), o, a);
+  tet_minus(refine_x(r, v[2]), o, b);
+  tet_minus(refine_x(r, v[3]), o, c);
+  double aa = tet_square(a), bb = tet_square(b), cc = tet_square(c);
+  tet_cross(b, c, bc);
+  tet_cross(c, a, ca);
+  tet_cross(a, b, ab);
+  double s = least(least(aa, bb), cc);
+  tet_minus(a, b, e);
+  s = least(s, tet_square(e));
+  tet_minus(b, c, e);
+  s = least(s, tet_square(e));
+  tet_minus(c, a, e);
+  ret->shortest2 = least(s, tet_square(e));
+  ret->volume6 = tet_dot(a, bc);
+  for (int i = 0; i < 3; i++) ret->to_centre[i] = aa * bc[i] + bb * ca[i] + cc * ab[i];
 }
 
+void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]) {
+  const double *o = refine_x(r, r->mesh.v[4 * (size_t)t]);
+  for (int i = 0; i < 3; i++) ret[i] = o[i] + s->to_centre[i] / (2 * s->volume6);
+}
+
+double refine_radius_edge(const refine_shape *s) {
+  return sqrt(tet_square(s->to_centre) / s->shortest2) / (2 * s->volume6);
+}
+
+/* Compared without a division; what is flat is over. */
 int refine_over_ratio(const refiner *r, const refine_shape *s) {
-  return !(s->radius2 <= r->o.radius_edge * r->o.radius_edge * s->shortest2 * slack);
+  double reach = 2 * s->volume6 * r->o.radius_edge;
+  return !(s->volume6 > 0 && tet_square(s->to_centre) <= reach * reach * s->shortest2 * slack);
 }
 
 int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s) {
-  uint32_t region = r->tet_region[t];
-  double most = region < r->out->n_regions ? r->out->region_max_volume[region] : 0;
-  if (r->o.max_volume > 0 && s->volume > r->o.max_volume * slack) return 1;
-  return most > 0 && s->volume > most * slack;
+  return s->volume6 > 6 * r->max_volume[r->tet_region[t]] * slack;
 }
 
-/* Order O2 (Table 3.2): short edges first; over the volume alone (R3.2 waits for R3.1):
- * large ones first. */
-int refine_is_bad(const refiner *r, uint32_t t, int *ret_late, double *ret_key) {
-  refine_shape shape;
-  refine_measure(r, t, &shape);
-  *ret_late = !refine_over_ratio(r, &shape);
-  *ret_key = *ret_late ? 1 / shape.volume : shape.shortest2;
-  return !*ret_late || refine_over_volume(r, t, &shape);
+/* The bound of each region, INFINITY where there is none. */
+tet_status refine_volume_bounds(refiner *r) {
+  const tet_pieces *p = r->out;
+  r->max_volume = tet_alloc(r->ctx, p->n_regions, sizeof *r->max_volume);
+  if (!r->max_volume && p->n_regions) return TET_E_MEMORY;
+  for (uint32_t i = 0; i < p->n_regions; i++) {
+    double own = p->region_max_volume[i] > 0 ? p->region_max_volume[i] : INFINITY;
+    r->max_volume[i] = least(own, r->o.max_volume > 0 ? r->o.max_volume : INFINITY);
+  }
+  return TET_OK;
 }

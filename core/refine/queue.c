@@ -58,16 +58,16 @@ tet_status refine_open_queue(refiner *r) {
   return TET_OK;
 }
 
-/* The bucket of t if it is over a bound, else BUCKETS: keys within a quarter of their power of
- * two share one. */
-static uint32_t bucket_of(const refiner *r, uint32_t t) {
-  int late;
-  double key;
+/* The bucket of t if it is over a bound, else BUCKETS; keys within a quarter of their power of
+ * two share one. Order O2 (Table 3.2): short edges first; over the volume alone, as R3.2 waits
+ * for R3.1: large ones first. */
+static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
   uint64_t bits;
-  if (!refine_is_bad(r, t, &late, &key)) return BUCKETS;
-  if (!(key > 0)) key = 0; /* flat */
-  memcpy(&bits, &key, sizeof bits);
-  return (uint32_t)(bits >> 50) + (late ? BUCKETS / 2 : 0);
+  refine_measure(r, t, ret_shape);
+  int late = !refine_over_ratio(r, ret_shape);
+  if (late && !refine_over_volume(r, t, ret_shape)) return BUCKETS;
+  memcpy(&bits, late ? &ret_shape->volume6 : &ret_shape->shortest2, sizeof bits);
+  return late ? BUCKETS - 1 - (uint32_t)(bits >> 50) : (uint32_t)(bits >> 50);
 }
 
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
@@ -110,7 +110,8 @@ static int pop(refine_buckets *q, uint32_t *ret_bucket, uint32_t *ret_tet) {
 /* Queues tetrahedron t if it is over a bound. */
 tet_status refine_queue_tet(refiner *r, uint32_t t) {
   if (!r->watch_tets) return TET_OK;
-  uint32_t b = bucket_of(r, t);
+  refine_shape shape;
+  uint32_t b = bucket_of(r, t, &shape);
   if (b == BUCKETS) return TET_OK;
   r->tet_edges[t] |= TET_QUEUED;
   return push(r, b, t);
@@ -118,10 +119,10 @@ tet_status refine_queue_tet(refiner *r, uint32_t t) {
 
 /* Entries are numbers alone: one whose slot has another tetrahedron by now tells by that
  * not being queued, or not from this bucket. */
-int refine_next_tet(refiner *r, uint32_t *ret_tet) {
+int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape) {
   uint32_t b, t;
   while (pop(&r->bad, &b, &t)) {
-    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t) != b) continue;
+    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t, ret_shape) != b) continue;
     r->tet_edges[t] &= (uint8_t)~TET_QUEUED;
     *ret_tet = t;
     return 1;

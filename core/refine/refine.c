@@ -44,6 +44,7 @@ static tet_status queue_bad(refiner *r) {
  * left to repair waits for R1 and R2, which heal most of it. */
 static tet_status step(refiner *r, int *ret_more) {
   uint32_t item;
+  refine_shape shape;
   refine_outcome outcome;
   *ret_more = 1;
   if (refine_next_seg(r, &item)) {
@@ -54,7 +55,7 @@ static tet_status step(refiner *r, int *ret_more) {
   if (refine_next_sub(r, &item))
     return refine_sub_encroached(r, item) ? refine_split_sub(r, item, CAUSE_VERTEX, &outcome) : TET_OK;
   if (r->stuck.n) return refine_repair_stuck(r);
-  if (refine_next_tet(r, &item)) return refine_split_tet(r, item, &outcome);
+  if (refine_next_tet(r, &item, &shape)) return refine_split_tet(r, item, &shape, &outcome);
   *ret_more = 0;
   return TET_OK;
 }
@@ -80,14 +81,15 @@ static tet_status run(refiner *r) {
   tet_status status = queue_encroached(r);
   if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */
   if (!status) status = queue_bad(r);
-  uint64_t flips = 0;
-  for (int round = 0; round < ROUNDS && !status; round++) {
+  for (int round = 0; !status; round++) {
+    uint64_t flips = r->result.repair_flips;
     status = drain(r);
-    if (!status) status = refine_repair_all(r);
+    if (!status) status = refine_check_delaunay(r);
+    if (status || !r->result.n_not_delaunay || round == ROUNDS) break;
+    status = refine_repair_all(r);
     if (flips == r->result.repair_flips) break;
-    flips = r->result.repair_flips;
   }
-  return status ? status : drain(r);
+  return status;
 }
 
 tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options *options,
@@ -98,11 +100,12 @@ tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options
   refiner r = {.ctx = ctx, .o = *options, .out = pieces};
   tet_status status = refine_load(&r);
   if (!status) status = refine_open_queue(&r);
+  if (!status) status = refine_volume_bounds(&r);
   if (!status) status = refine_find_sharp(&r);
   if (!status) status = refine_lfs(&r);
   if (!status) status = run(&r);
   if (!status) status = refine_list_exceptions(&r);
-  if (!status) status = refine_check(&r);
+  if (!status) status = refine_check_gabriel(&r);
   if (!status) status = refine_unload(&r);
   if (status) {
     tet_refine_result_free(ctx, &r.result);

@@ -173,6 +173,7 @@ typedef struct refiner {
   size_t cap_seg_queue, cap_sub_queue;
   int watch_tets; /* 1: R3 has begun */
   refine_buckets bad;
+  double *max_volume; /* [region] */
 
   tet_refine_result result;
 } refiner;
@@ -262,33 +263,33 @@ int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_hits(refiner *r, int subfaces);
 tet_status refine_look_at(refiner *r, uint32_t n);
 
+/* quality.c */
+typedef struct refine_shape {
+  double to_centre[3]; /* from the first vertex to the circumcentre, times 2 volume6 */
+  double volume6;      /* six times the volume */
+  double shortest2;    /* squared length of the shortest edge */
+} refine_shape;
+void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
+void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
+double refine_radius_edge(const refine_shape *s);
+int refine_over_ratio(const refiner *r, const refine_shape *s);
+int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
+tet_status refine_volume_bounds(refiner *r);
+
 /* queue.c */
 tet_status refine_queue_seg(refiner *r, uint32_t e);
 tet_status refine_queue_sub(refiner *r, uint32_t s);
 int refine_next_seg(refiner *r, uint32_t *ret_seg);
 int refine_next_sub(refiner *r, uint32_t *ret_sub);
 tet_status refine_queue_tet(refiner *r, uint32_t t);
-int refine_next_tet(refiner *r, uint32_t *ret_tet);
+int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape);
 tet_status refine_open_queue(refiner *r);
-
-/* quality.c */
-typedef struct refine_shape {
-  double centre[3]; /* circumcentre */
-  double radius2, shortest2, volume;
-  uint32_t short_a, short_b; /* ends of the shortest edge */
-} refine_shape;
-void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
-/* 1 if t is over a bound, and then where it comes: *ret_late after all others, *ret_key least
- * first. */
-int refine_is_bad(const refiner *r, uint32_t t, int *ret_late, double *ret_key);
-int refine_over_ratio(const refiner *r, const refine_shape *s);
-int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
 
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */
 tet_status refine_insert(refiner *r, int *ret_ok);
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
-tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret);
+tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, refine_outcome *ret);
 
 /* repair.c */
 tet_status refine_repair(refiner *r);
@@ -297,6 +298,7 @@ tet_status refine_repair_all(refiner *r);
 
 /* exceptions.c */
 tet_status refine_list_exceptions(refiner *r);
-tet_status refine_check(refiner *r);
+tet_status refine_check_delaunay(refiner *r);
+tet_status refine_check_gabriel(refiner *r);
 
 #endif

@@ -4,6 +4,8 @@
  * instead, subsegments first. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -60,18 +62,21 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
   return hit && instead ? split_hits(r, ret) : TET_OK;
 }
 
-/* A point from the shortest edge's midpoint towards the circumcentre, rho_0 times
+/* A point from the shortest edge's midpoint towards circumcentre c, rho_0 times
  * that edge away (an off-centre, Uengoer 2004): the circumball being empty, no
  * vertex is closer to it than that. 0 if that is about the circumcentre. */
-static int off_centre(const refiner *r, const refine_shape *s, double x[3]) {
-  const double *a = refine_x(r, s->short_a), *b = refine_x(r, s->short_b);
-  double d[3], length2 = 0;
-  for (int i = 0; i < 3; i++) {
-    x[i] = 0.5 * (a[i] + b[i]);
-    d[i] = s->centre[i] - x[i];
-    length2 += d[i] * d[i];
+static int off_centre(const refiner *r, uint32_t t, const double c[3], double x[3]) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  double d[3], shortest2 = INFINITY;
+  for (int e = 0; e < 6; e++) {
+    const double *a = refine_x(r, v[refine_edge[e][0]]), *b = refine_x(r, v[refine_edge[e][1]]);
+    tet_minus(a, b, d);
+    if (!(tet_square(d) < shortest2)) continue;
+    shortest2 = tet_square(d);
+    for (int i = 0; i < 3; i++) x[i] = 0.5 * (a[i] + b[i]);
   }
-  double share = r->o.radius_edge * sqrt(s->shortest2 / length2);
+  tet_minus(c, x, d);
+  double share = r->o.radius_edge * sqrt(shortest2 / tet_square(d));
   if (!(share < 0.8)) return 0;
   for (int i = 0; i < 3; i++) x[i] += share * d[i];
   return 1;
@@ -104,20 +109,19 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
-tet_status refine_split_tet(refiner *r, uint32_t t, refine_outcome *ret) {
-  refine_shape shape;
+tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, refine_outcome *ret) {
   uint32_t old[4];
-  double x[3];
+  double centre[3], x[3];
   memcpy(old, r->mesh.v + 4 * (size_t)t, sizeof old);
-  refine_measure(r, t, &shape);
+  refine_circumcentre(r, t, shape, centre);
   uint64_t noise = r->result.rejected.outside;
-  tet_status status = try_point(r, t, shape.centre, 1, ret);
+  tet_status status = try_point(r, t, centre, 1, ret);
   if (!status && noise != r->result.rejected.outside) {
-    memcpy(x, shape.centre, sizeof x);
+    memcpy(x, centre, sizeof x);
     face_centre(r, t, x);
     status = try_point(r, t, x, 1, ret);
   }
-  if (!status && *ret == OUTCOME_REJECTED && off_centre(r, &shape, x)) status = try_point(r, t, x, 0, ret);
+  if (!status && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x)) status = try_point(r, t, x, 0, ret);
   if (status || *ret != OUTCOME_INSERTED) return status;
   return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;
 }
