@@ -49,14 +49,16 @@ tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet) {
 }
 
 /* Both sides of every replaced subface, and unless `least` all in conflict from
- * there. */
+ * there. Rounding, and ties, can have one side replaced that is not in conflict. */
 static tet_status add_sides(refiner *r, int least) {
   refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < c->subs.n; k++)
     for (int side = 0; side < 2 && !status; side++) {
       uint32_t h = r->sub_side[2 * (size_t)c->subs.at[k] + side];
-      if (h != TET_NONE) status = add_tet(r, h >> 2, FLAG_NEEDED);
+      if (h == TET_NONE) continue;
+      status = add_tet(r, h >> 2, FLAG_NEEDED);
+      c->reshaped |= !tet_complex_conflict(&r->mesh, h >> 2, c->p);
     }
   c->reshaped |= least;
   return status || least ? status : tet_complex_grow(&r->mesh, c->p);
@@ -93,7 +95,10 @@ tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least)
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
   r->star.n = 0;
   status = refine_seg_star(r, seg, &r->star);
-  for (uint32_t k = 0; k < r->star.n && !status; k++) status = add_tet(r, r->star.at[k], FLAG_NEEDED);
+  for (uint32_t k = 0; k < r->star.n && !status; k++) {
+    status = add_tet(r, r->star.at[k], FLAG_NEEDED);
+    r->cavity.reshaped |= !tet_complex_conflict(&r->mesh, r->star.at[k], p);
+  }
   return status ? status : add_sides(r, least);
 }
 

@@ -37,7 +37,8 @@ static tet_status nearest_sharp(refiner *r, uint32_t *label, uint32_t *queue) {
   return TET_OK;
 }
 
-/* Lists live tetrahedra over a bound in slot order, which packing keeps. */
+/* Lists live tetrahedra over a bound in slot order, which packing keeps: each was queued, and
+ * is marked so still. */
 tet_status refine_list_exceptions(refiner *r) {
   tet_refine_result *ret = &r->result;
   refine_list bad = {0};
@@ -46,8 +47,7 @@ tet_status refine_list_exceptions(refiner *r) {
   uint32_t row = 0;
   for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++) {
     if (!refine_alive(r, t)) continue;
-    refine_measure(r, t, &shape);
-    if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, &shape)) {
+    if (r->tet_edges[t] & TET_QUEUED) {
       status = refine_push(r, &bad, t);
       if (!status) status = refine_push(r, &bad, row);
     }
@@ -79,9 +79,13 @@ tet_status refine_list_exceptions(refiner *r) {
   return status;
 }
 
-/* Looks at every face once more. */
+/* Looks at every face once more, if any is known that could not be repaired; else all are
+ * Delaunay by construction. */
 tet_status refine_check_delaunay(refiner *r) {
-  tet_status status = tet_complex_count_broken(&r->mesh, &r->result.n_not_delaunay);
+  tet_status status = TET_OK;
+  r->result.n_not_delaunay = 0;
+  if (r->is_broken) status = tet_complex_count_broken(&r->mesh, &r->result.n_not_delaunay);
+  r->is_broken = r->result.n_not_delaunay > 0;
   r->result.constrained_delaunay = !r->result.n_not_delaunay;
   return status;
 }

@@ -58,16 +58,16 @@ tet_status refine_open_queue(refiner *r) {
   return TET_OK;
 }
 
-/* The bucket of t if it is over a bound, else BUCKETS; keys within a quarter of their power of
- * two share one. Order O2 (Table 3.2): short edges first; over the volume alone, as R3.2 waits
- * for R3.1: large ones first. */
+/* The bucket of t if it is over a bound, else BUCKETS. Order O2 (Table 3.2): short edges first,
+ * keys within a quarter of their power of two being alike; over the volume alone, as R3.2 waits
+ * for R3.1: large ones first, by powers of two, which keeps what is split next close by. */
 static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
   uint64_t bits;
   refine_measure(r, t, ret_shape);
   int late = !refine_over_ratio(r, ret_shape);
   if (late && !refine_over_volume(r, t, ret_shape)) return BUCKETS;
   memcpy(&bits, late ? &ret_shape->volume6 : &ret_shape->shortest2, sizeof bits);
-  return late ? BUCKETS - 1 - (uint32_t)(bits >> 50) : (uint32_t)(bits >> 50);
+  return late ? BUCKETS - 1 - (uint32_t)(bits >> 52 << 2) : (uint32_t)(bits >> 50);
 }
 
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
@@ -123,7 +123,6 @@ int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape) {
   uint32_t b, t;
   while (pop(&r->bad, &b, &t)) {
     if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t, ret_shape) != b) continue;
-    r->tet_edges[t] &= (uint8_t)~TET_QUEUED;
     *ret_tet = t;
     return 1;
   }

@@ -35,7 +35,7 @@ enum {
 enum {
   EDGES = 63,
   EDGE_LOOSE = 64, /* some edge is a subsegment of no facet */
-  TET_QUEUED = 128 /* waits to be split */
+  TET_QUEUED = 128 /* over a bound: waits to be split, or was and could not be */
 };
 
 /* What a candidate is split for (R1*, 3.4.1). */
@@ -167,6 +167,7 @@ typedef struct refiner {
   refine_list star;               /* scratch */
   refine_list suspects;           /* face handles after a reshaped cavity */
   refine_list stuck;              /* those that no flip repaired */
+  int is_broken;                  /* 1: some that nothing repaired */
 
   refine_waiting *seg_queue, *sub_queue;
   uint32_t n_seg_queue, at_seg_queue, n_sub_queue, at_sub_queue;

@@ -263,7 +263,9 @@ static tet_status repair_face(refiner *r, uint32_t h, int thorough) {
   if (!thorough) return refine_push(r, &r->stuck, h);
   tet_status status = restar(r, r->mesh.v[h], h >> 2, &ok);
   if (status || ok) return status;
-  return restar(r, r->mesh.v[r->mesh.adj[h]], r->mesh.adj[h] >> 2, &ok);
+  status = restar(r, r->mesh.v[r->mesh.adj[h]], r->mesh.adj[h] >> 2, &ok);
+  r->is_broken |= !ok;
+  return status;
 }
 
 static int is_broken(const refiner *r, uint32_t h) {
@@ -282,6 +284,7 @@ static tet_status repair(refiner *r, int thorough) {
     uint32_t h = suspects->at[--suspects->n];
     if (is_broken(r, h)) status = repair_face(r, h, thorough);
   }
+  r->is_broken |= suspects->n > 0;
   suspects->n = 0;
   return status;
 }
