@@ -102,6 +102,14 @@ static inline void add_border(tet_complex *c, uint32_t t, uint32_t i, const uint
   b->inner = 4 * t + i;
 }
 
+/* Has the memory around t, which is looked at next, brought near. */
+static inline void look_ahead(const tet_complex *c, uint32_t t) {
+  for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4; h++) {
+    __builtin_prefetch(c->v + (c->adj[h] & ~3u));
+    __builtin_prefetch(c->flag + (c->adj[h] >> 2));
+  }
+}
+
 /* Goes on with the search for the cavity of p from its *k-th tetrahedron; is_walled says
  * whether there are walls and TET_NONE, or several threads. */
 static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, quick_look *look,
@@ -117,6 +125,7 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
       handle[i] = adj[4 * (size_t)t + i];
       if (!(wall >> i & 1)) __builtin_prefetch(c->v + (handle[i] & ~3u));
     }
+    if (*k + 1 < c->n_cavity) look_ahead(c, c->cavity[*k + 1]);
     for (uint32_t i = 0; i < 4; i++) {
       if (wall >> i & 1) continue;
       untested[n_untested] = i;
