@@ -31,7 +31,8 @@ typedef enum tet_point_order {
 
 typedef enum tet_voronoi {
   TET_VORONOI_NONE = 0,
-  TET_VORONOI_FACTORS = 1 /* cell volumes, edge factors, shares of subfaces */
+  TET_VORONOI_FACTORS = 1, /* cell volumes, edge factors, shares of subfaces */
+  TET_VORONOI_DIAGRAM = 2  /* these, and the cells as polyhedra */
 } tet_voronoi;
 
 enum { TET_MAX_THREADS = 31 };

@@ -173,6 +173,16 @@ typedef struct tet_mesh {
   double *edge_factors;    /* [n] |sigma_KL| / |x_K - x_L| in that region; signed */
   double *subface_shares;  /* [n_subfaces][3] areas of the cells' cuts by a subface, of its vertices; signed */
 
+  /* The cells as polyhedra, closed by polygons on the borders of regions; NULL unless asked for.
+   * Face m, for m < n_edges, is that of row m of the edges (its first, where a region touches
+   * itself at the edge); further ones of such edges follow, then those on borders. */
+  uint32_t n_voronoi_points;
+  double *voronoi_points;         /* [n][3]; the first n_tetrahedra are the tetrahedra's circumcentres */
+  uint32_t n_voronoi_faces;
+  uint32_t *voronoi_face_start;   /* [n + 1] CSR: face to its corners, */
+  uint32_t *voronoi_face_points;  /* counterclockwise seen from the second cell: rows of voronoi_points */
+  uint32_t *voronoi_face_cells;   /* [n][2] rows of the cells on both sides; the second TET_NONE: outside */
+
   tet_report report;
 } tet_mesh;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Laws of the dual of generated meshes: cell volumes add up to each region's volume to 1e-12,
  * subface shares to the subfaces' areas; no factor of a boundary conforming Delaunay mesh is
- * negative; a finite-volume solution that is linear in each region comes out to 1e-10. The seed
+ * negative; its cells are closed polyhedra of the same volumes and faces; a finite-volume solution that is linear in each region comes out to 1e-10. The seed
  * of a failure is printed. TETRAD_RUNS sets how many seeds are tried. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,6 +16,7 @@
 
 #include "base/vector.h"
 #include "maker.h"
+#include "polyhedra.h"
 #include <tet/engine.h>
 
 enum { MOST_REGIONS = 64 };
@@ -34,7 +35,7 @@ static tet_mesh *mesh_of(tet_ctx *ctx, tet_stage stage, double max_volume, uint6
   tet_options_default(&options);
   options.stage = stage;
   options.max_volume = max_volume;
-  options.voronoi = TET_VORONOI_FACTORS;
+  options.voronoi = TET_VORONOI_DIAGRAM;
   options.point_order = seed % 2 ? TET_ORDER_HILBERT : TET_ORDER_INPUT_FIRST;
   if (tet_mesh_pls(ctx, &made.pls, &options, &m) != TET_OK)
     fail_msg("seed %llu: %s", (unsigned long long)seed, tet_ctx_error(ctx)->message);
@@ -126,12 +127,15 @@ static void generated_meshes(void **state) {
     check_signs(m, seed);
     check_shares(m);
     check_cells(m);
+    check_polyhedra(m, 1e-12);
     worst.tetrahedra += m->n_tetrahedra;
     tet_mesh_free(m);
     m = mesh_of(ctx, TET_STAGE_CDT, 0, seed); /* promises no signs */
     check_volumes(m, seed);
     check_shares(m);
     check_cells(m);
+    check_polyhedra_closed(m);
+    assert_null(m->neighbours);
     tet_mesh_free(m);
     assert_int_equal(tet_ctx_bytes(ctx), 0);
     tet_ctx_free(ctx);

@@ -18,7 +18,7 @@ static tet_options options_of(int order) {
   tet_options o;
   tet_options_default(&o);
   o.neighbours = order;
-  o.voronoi = order ? TET_VORONOI_FACTORS : TET_VORONOI_NONE;
+  o.voronoi = order ? TET_VORONOI_DIAGRAM : TET_VORONOI_NONE;
   o.point_order = order ? TET_ORDER_HILBERT : TET_ORDER_INPUT_FIRST;
   return o;
 }

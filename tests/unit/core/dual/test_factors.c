@@ -11,7 +11,9 @@
 
 #include "base/context.h"
 #include "box_mesh.h"
+#include "dual/diagram.h"
 #include "dual/dual.h"
+#include "polyhedra.h"
 
 static int close_to(double a, double b) { return fabs(a - b) < 1e-14; }
 
@@ -74,6 +76,8 @@ static void boxes(void **state) {
       for (int k = 0; k < 3; k++) dot += (a[k] - p[k]) * (b[k] - p[k]);
       assert_true(close_to(m->subface_shares[i], dot == 0 ? 0.25 : 0.125));
     }
+    assert_int_equal(tet_voronoi_diagram(ctx, m), TET_OK);
+    check_polyhedra(m, 1e-14);
     assert_true(m->report.voronoi.made);
     assert_int_equal(m->report.voronoi.negative_factors, 0);
     tet_mesh_free(m);
@@ -92,7 +96,8 @@ static void dual_of(tet_ctx *ctx, double *points, uint32_t n_points, uint32_t *t
 
 static void forget(tet_mesh *m) {
   void *made[] = {m->cell_vertices, m->cell_regions, m->cell_volumes, m->edge_vertices, m->edge_regions, m->edge_factors,
-                  m->subface_shares};
+                  m->subface_shares, m->voronoi_points, m->voronoi_face_start, m->voronoi_face_points,
+                  m->voronoi_face_cells};
   for (size_t i = 0; i < sizeof made / sizeof *made; i++) tet_free(m->ctx, made[i]);
 }
 
@@ -214,10 +219,41 @@ static void many_at_a_vertex(void **state) {
   tet_ctx_free(ctx);
 }
 
+/* Two corners of cubes that share an edge alone, all of whose faces are subfaces: the edge has two
+ * Voronoi faces, one after those of the rows. */
+static void region_touching_itself(void **state) {
+  (void)state;
+  double points[18] = {0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0};
+  uint32_t tets[8] = {0, 1, 2, 3, 0, 1, 4, 5}, regions[2] = {0, 0}, neighbours[8];
+  uint32_t subfaces[24] = {0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3, 0, 1, 4, 0, 1, 5, 0, 4, 5, 1, 4, 5};
+  uint32_t subsegments[22] = {0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 1, 2, 1, 3, 1, 4, 1, 5, 2, 3, 4, 5};
+  memset(neighbours, 0xFF, sizeof neighbours);
+  tet_ctx *ctx;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  tet_mesh m = {.ctx = ctx, .n_points = 6, .points = points, .n_tetrahedra = 2, .tetrahedra = tets,
+                .tetrahedron_regions = regions, .neighbours = neighbours, .n_subfaces = 8, .subfaces = subfaces,
+                .n_subsegments = 11, .subsegments = subsegments};
+  assert_int_equal(tet_voronoi_factors(ctx, &m), TET_OK);
+  assert_int_equal(tet_voronoi_diagram(ctx, &m), TET_OK);
+  check_polyhedra(&m, 1e-14);
+  assert_int_equal(m.n_edges, 11);
+  assert_int_equal(m.n_voronoi_faces, 12 + 24);
+  assert_true(close_to(m.edge_factors[0], 0.5));
+  assert_int_equal(m.voronoi_face_cells[2 * 11], m.voronoi_face_cells[0]);
+  m.n_subfaces = 7; /* a border that is no subface */
+  void *before = m.voronoi_points;
+  assert_int_equal(tet_voronoi_diagram(ctx, &m), TET_E_INTERNAL);
+  assert_ptr_equal(before, m.voronoi_points);
+  forget(&m);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(boxes), cmocka_unit_test(cube_of_five),
                                      cmocka_unit_test(negative_factors_are_told),
                                      cmocka_unit_test(extents_out_of_range_are_refused),
-                                     cmocka_unit_test(many_at_a_vertex)};
+                                     cmocka_unit_test(many_at_a_vertex),
+                                     cmocka_unit_test(region_touching_itself)};
   return cmocka_run_group_tests_name("factors", tests, NULL, NULL);
 }
