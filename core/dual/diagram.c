@@ -103,8 +103,9 @@ static tet_status add_border_centre(tet_polygons *p, uint32_t a, uint32_t b, uin
 /* Which of the tetrahedron's edges ab is. */
 static int edge_number(const tet_mesh *m, uint32_t t, uint32_t a, uint32_t b) {
   const uint32_t *v = m->tetrahedra + 4 * (size_t)t;
+  uint32_t both = local(v, a) + 4 * local(v, b);
   int e = 0;
-  while (!((v[tet_edge[e][0]] == a && v[tet_edge[e][1]] == b) || (v[tet_edge[e][0]] == b && v[tet_edge[e][1]] == a))) e++;
+  while (tet_edge[e][0] + 4u * tet_edge[e][1] != both && tet_edge[e][1] + 4u * tet_edge[e][0] != both) e++;
   return e;
 }
 
@@ -193,8 +194,10 @@ static tet_status make_tables(tet_polygons *p) {
   }
   tet_sort_keyed(p->subface, m->n_subfaces);
   tet_status status = tet_poll(p->ctx);
-  for (uint32_t s = 0; s < m->n_subsegments && status == TET_OK; s++)
-    status = tet_edge_map_put(p->ctx, &p->subsegment, m->subsegments[2 * (size_t)s], m->subsegments[2 * (size_t)s + 1], s);
+  for (uint32_t s = 0; s < m->n_subsegments && status == TET_OK; s++) {
+    const uint32_t *v = m->subsegments + 2 * (size_t)s;
+    status = tet_edge_map_put(p->ctx, &p->subsegment, v[0], v[1], s);
+  }
   size_t n_starts = 0;
   if (status == TET_OK) status = tet_push(p->ctx, &p->start, &n_starts, &p->cap_start, 0);
   return status;
@@ -210,8 +213,10 @@ static void place_of(const tet_polygons *p, uint64_t number, double x[3]) {
     for (size_t k = 0; k < 3; k++) x[k] = 0.5 * m->points[3 * (size_t)v[0] + k] + 0.5 * m->points[3 * (size_t)v[1] + k];
   } else if (number >= m->n_tetrahedra) {
     const uint32_t *v = m->subfaces + 3 * (number - m->n_tetrahedra);
+    const double *corner[3];
     double shares[3];
-    tet_corner_shares(m->points + 3 * (size_t)v[0], m->points + 3 * (size_t)v[1], m->points + 3 * (size_t)v[2], shares, x);
+    for (int i = 0; i < 3; i++) corner[i] = m->points + 3 * (size_t)v[i];
+    tet_corner_shares(corner[0], corner[1], corner[2], shares, x);
   } else {
     const uint32_t *v = m->tetrahedra + 4 * number;
     tet_shares shares = {.bound = 0};

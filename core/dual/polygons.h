@@ -25,7 +25,9 @@ typedef struct tet_polygons {
 } tet_polygons;
 
 /* Numbers of points of each kind. */
-static inline uint64_t tet_subface_point(const tet_polygons *p, uint32_t s) { return (uint64_t)p->mesh->n_tetrahedra + s; }
+static inline uint64_t tet_subface_point(const tet_polygons *p, uint32_t s) {
+  return (uint64_t)p->mesh->n_tetrahedra + s;
+}
 
 static inline uint64_t tet_subsegment_point(const tet_polygons *p, uint32_t s) {
   return tet_subface_point(p, p->mesh->n_subfaces) + s;

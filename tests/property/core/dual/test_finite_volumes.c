@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Laws of the dual of generated meshes: cell volumes add up to each region's volume to 1e-12,
  * subface shares to the subfaces' areas; no factor of a boundary conforming Delaunay mesh is
- * negative; its cells are closed polyhedra of the same volumes and faces; a finite-volume solution that is linear in each region comes out to 1e-10. The seed
- * of a failure is printed. TETRAD_RUNS sets how many seeds are tried. */
+ * negative; its cells are closed polyhedra of the same volumes and faces; a finite-volume solution
+ * that is linear in each region comes out to 1e-10. The seed of a failure is printed. TETRAD_RUNS
+ * sets how many seeds are tried. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

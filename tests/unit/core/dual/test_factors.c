@@ -37,7 +37,8 @@ static void check_edges(const tet_mesh *m, uint32_t n) {
       }
     double wanted = 0; /* diagonals: all eight corners of a cube are cospherical */
     if (differ == 1) {
-      wanted = part_of(p, (along + 1) % 3, n, m->edge_regions[row]) * part_of(p, (along + 2) % 3, n, m->edge_regions[row]);
+      uint32_t region = m->edge_regions[row];
+      wanted = part_of(p, (along + 1) % 3, n, region) * part_of(p, (along + 2) % 3, n, region);
       axial++;
     }
     assert_true(close_to(m->edge_factors[row], wanted));
@@ -95,9 +96,9 @@ static void dual_of(tet_ctx *ctx, double *points, uint32_t n_points, uint32_t *t
 }
 
 static void forget(tet_mesh *m) {
-  void *made[] = {m->cell_vertices, m->cell_regions, m->cell_volumes, m->edge_vertices, m->edge_regions, m->edge_factors,
-                  m->subface_shares, m->voronoi_points, m->voronoi_face_start, m->voronoi_face_points,
-                  m->voronoi_face_cells};
+  void *made[] = {m->cell_vertices, m->cell_regions, m->cell_volumes, m->edge_vertices, m->edge_regions,
+                  m->edge_factors, m->subface_shares, m->voronoi_points, m->voronoi_face_start,
+                  m->voronoi_face_points, m->voronoi_face_cells};
   for (size_t i = 0; i < sizeof made / sizeof *made; i++) tet_free(m->ctx, made[i]);
 }
 
