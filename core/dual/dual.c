@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { POLL_EVERY = 4096 };
+enum { POLL_EVERY = 1024 };
 
 typedef struct work {
   tet_ctx *ctx;
@@ -26,7 +26,7 @@ typedef struct work {
   double *bound;  /* [edges.n] above the factor's rounding error */
   tet_keyed *more; /* (vertex, region) of vertices with several regions */
   size_t n_more, cap_more;
-  uint32_t *region;     /* [n_points] the first region met at a vertex, or TET_NONE */
+  uint32_t *region;     /* [n_points] the one region of a vertex, or TET_NONE */
   uint32_t *first_cell; /* [n_points + 1] */
   uint32_t n_cells;
   uint32_t *cell_vertex, *cell_region; /* [n_cells] */
@@ -95,14 +95,15 @@ static tet_status collect_regions(work *w) {
   if (!w->region) return tet_ctx_error(w->ctx)->status;
   for (uint32_t v = 0; v < w->mesh->n_points; v++) w->region[v] = TET_NONE;
   tet_status status = TET_OK;
-  for (size_t row = 0; row < w->edges.n && status == TET_OK; row++)
+  for (size_t row = 0; row < w->edges.n && status == TET_OK; row++) {
+    if (row % POLL_EVERY == 0) status = tet_poll(w->ctx);
     for (size_t k = 0; k < 2 && status == TET_OK; k++)
       status = note_region(w, w->edges.vertices[2 * row + k], w->edges.regions[row]);
+  }
   if (status != TET_OK) return status;
-  for (uint32_t v = 0, i = 0; i < w->n_more; i++) { /* the first region of each of them too */
-    v = (uint32_t)w->more[i].key;
-    if (w->region[v] == TET_NONE) continue;
-    uint32_t region = w->region[v];
+  for (size_t i = 0, met = w->n_more; i < met; i++) { /* the first region of each of them too */
+    uint32_t v = (uint32_t)w->more[i].key, region = w->region[v];
+    if (region == TET_NONE) continue;
     w->region[v] = TET_NONE;
     status = tet_grow(w->ctx, &w->more, &w->cap_more, w->n_more + 1, sizeof *w->more);
     if (status != TET_OK) return status;

@@ -466,10 +466,11 @@ def test_every_codec_brings_the_same_mesh_over_tcp(tmp_path, tmp_path_factory):
     with Daemon(tmp_path_factory.mktemp("daemon"), "--tcp", f"127.0.0.1:{port}", workers=1):
         for codec in ("mesh", "zlib", "raw"):
             out = tmp_path / f"{codec}.node"
-            done = tetractl("mesh", BRACKET, "-o", out, "--codec", codec, "--quiet",
+            done = tetractl("mesh", BRACKET, "-o", out, "--codec", codec, "--quiet", "--voronoi",
                             "--connect", f"tcp:127.0.0.1:{port}")
             assert done.returncode == 0, done.stderr
-            written.append([out.with_suffix(s).read_bytes() for s in (".node", ".ele", ".face", ".edge")])
+            written.append([out.with_suffix(s).read_bytes() for s in (".node", ".ele", ".face", ".edge", ".v.volume",
+                                                                      ".v.factor", ".v.share", ".v.node", ".v.cell")])
     assert written[0] == written[1] == written[2]
 
 
