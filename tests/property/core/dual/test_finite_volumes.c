@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Laws of the dual of generated meshes: cell volumes add up to each region's volume to 1e-12,
  * subface shares to the subfaces' areas; no factor of a boundary conforming Delaunay mesh is
- * negative; its cells are closed polyhedra of the same volumes and faces; a finite-volume solution
- * that is linear in each region comes out to 1e-10. The seed of a failure is printed. TETRAD_RUNS
- * sets how many seeds are tried. */
+ * negative; a linear function's flux leaves a cell through subfaces alone; the cells are closed
+ * polyhedra of the same volumes and faces; a finite-volume solution that is linear in each region
+ * comes out to 1e-10. The seed of a failure is printed. TETRAD_RUNS sets how many seeds are tried. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/sort.h"
 #include "base/vector.h"
 #include "maker.h"
 #include "polyhedra.h"
@@ -98,23 +99,82 @@ static void check_signs(const tet_mesh *m, uint64_t seed) {
   assert_int_equal(m->report.voronoi.negative_factors, 0);
 }
 
+/* The row of a cell that must be there. */
+static uint32_t cell_of(const tet_mesh *m, uint32_t v, uint32_t region) {
+  uint32_t low = 0, high = m->n_cells;
+  while (low < high) {
+    uint32_t mid = low + (high - low) / 2;
+    int before = m->cell_vertices[mid] != v ? m->cell_vertices[mid] < v : m->cell_regions[mid] < region;
+    if (before) low = mid + 1;
+    else high = mid;
+  }
+  assert_true(low < m->n_cells && m->cell_vertices[low] == v && m->cell_regions[low] == region);
+  return low;
+}
+
 /* Every pair of a vertex and a region that a tetrahedron has is one cell, and no other. */
 static void check_cells(const tet_mesh *m) {
   uint8_t *met = calloc(m->n_cells + 1, 1);
   assert_non_null(met);
-  for (size_t i = 0; i < 4 * (size_t)m->n_tetrahedra; i++) {
-    uint32_t low = 0, high = m->n_cells, v = m->tetrahedra[i], region = m->tetrahedron_regions[i / 4];
-    while (low < high) {
-      uint32_t mid = low + (high - low) / 2;
-      int before = m->cell_vertices[mid] != v ? m->cell_vertices[mid] < v : m->cell_regions[mid] < region;
-      if (before) low = mid + 1;
-      else high = mid;
-    }
-    assert_true(low < m->n_cells && m->cell_vertices[low] == v && m->cell_regions[low] == region);
-    met[low] = 1;
-  }
+  for (size_t i = 0; i < 4 * (size_t)m->n_tetrahedra; i++)
+    met[cell_of(m, m->tetrahedra[i], m->tetrahedron_regions[i / 4])] = 1;
   for (uint32_t c = 0; c < m->n_cells; c++) assert_true(met[c]);
   free(met);
+}
+
+static tet_keyed face_key(const uint32_t *v, uint64_t row) {
+  uint32_t a = v[0], b = v[1], c = v[2], low = a < b ? a : b, high = a < b ? b : a;
+  uint32_t least = low < c ? low : c, most = high > c ? high : c, middle = a ^ b ^ c ^ least ^ most;
+  return (tet_keyed){(uint64_t)least << 32 | middle, (uint64_t)most << 32 | row};
+}
+
+/* The shares of face f of a tetrahedron go into the cells of its region, times the outward normal. */
+static void add_face(const tet_mesh *m, const tet_keyed *subface, size_t t, const uint8_t *f, double (*flux)[4]) {
+  const uint32_t *v = m->tetrahedra + 4 * t, face[3] = {v[f[0]], v[f[1]], v[f[2]]};
+  tet_keyed key = face_key(face, 0);
+  uint32_t low = 0, high = m->n_subfaces;
+  while (low < high) {
+    uint32_t mid = low + (high - low) / 2;
+    if (subface[mid].key < key.key || (subface[mid].key == key.key && subface[mid].value < key.value)) low = mid + 1;
+    else high = mid;
+  }
+  if (low == m->n_subfaces || subface[low].key != key.key || subface[low].value >> 32 != key.value >> 32) return;
+  size_t row = (uint32_t)subface[low].value;
+  double u[3], w[3], n[3];
+  tet_minus(point(m, face[1]), point(m, face[0]), u);
+  tet_minus(point(m, face[2]), point(m, face[0]), w);
+  tet_cross(u, w, n);
+  for (size_t k = 0; k < 3; k++) {
+    double *sum = flux[cell_of(m, m->subfaces[3 * row + k], m->tetrahedron_regions[t])];
+    double share = m->subface_shares[3 * row + k];
+    for (int i = 0; i < 3; i++) sum[i] += share * n[i] / sqrt(tet_dot(n, n));
+    sum[3] += fabs(share);
+  }
+}
+
+/* A linear function's flux out of every cell is that through its part of the borders: the areas of its
+ * faces and the shares of subfaces sum to nothing, as vectors. */
+static void check_balance(const tet_mesh *m, uint64_t seed) {
+  static const uint8_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}; /* outward */
+  double (*flux)[4] = calloc(m->n_cells + 1, sizeof *flux); /* the sum, and the size of what is in it */
+  tet_keyed *subface = malloc((m->n_subfaces + 1) * sizeof *subface);
+  assert_true(flux && subface);
+  for (uint32_t s = 0; s < m->n_subfaces; s++) subface[s] = face_key(m->subfaces + 3 * (size_t)s, s);
+  tet_sort_keyed(subface, m->n_subfaces);
+  for (size_t i = 0; i < 4 * (size_t)m->n_tetrahedra; i++) add_face(m, subface, i / 4, face[i % 4], flux);
+  for (size_t row = 0; row < m->n_edges; row++)
+    for (size_t end = 0; end < 2; end++) {
+      const uint32_t *v = m->edge_vertices + 2 * row;
+      double d[3], *sum = flux[cell_of(m, v[end], m->edge_regions[row])];
+      tet_minus(point(m, v[1 - end]), point(m, v[end]), d);
+      for (int i = 0; i < 3; i++) sum[i] += m->edge_factors[row] * d[i];
+      sum[3] += fabs(m->edge_factors[row]) * sqrt(tet_dot(d, d));
+    }
+  for (uint32_t c = 0; c < m->n_cells; c++)
+    for (int i = 0; i < 3; i++)
+      if (!(fabs(flux[c][i]) <= 1e-11 * flux[c][3])) fail_msg("seed %llu: cell %u leaks", (unsigned long long)seed, c);
+  free(flux);
+  free(subface);
 }
 
 static void generated_meshes(void **state) {
@@ -134,6 +194,7 @@ static void generated_meshes(void **state) {
     }
     check_shares(m);
     check_cells(m);
+    check_balance(m, seed);
     check_polyhedra(m, 1e-12);
     worst.tetrahedra += m->n_tetrahedra;
     tet_mesh_free(m);
