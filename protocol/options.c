@@ -8,6 +8,7 @@
 
 static const char *const stage_names[] = {"delaunay", "cdt", "refine"};
 static const char *const order_names[] = {"input_first", "hilbert"};
+static const char *const voronoi_names[] = {NULL, "factors", "diagram"}; /* none: absent */
 
 const char *tp_stage_name(tp_stage stage) { return stage_names[stage]; }
 
@@ -76,6 +77,12 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
     options->point_order = (tp_point_order)place;
     return TP_OK;
   }
+  if (strcmp(name, "voronoi") == 0) {
+    const int place = place_of(voronoi_names + 1, 2, text);
+    if (place < 0) return refuse(error, name, "is none of factors, diagram");
+    options->voronoi = (tp_voronoi)(place + 1);
+    return TP_OK;
+  }
   if (strcmp(name, "radius_edge") == 0)
     return read_number(value, name, 1.0, "is no number from 1", &options->radius_edge, error);
   if (strcmp(name, "max_volume") == 0)
@@ -115,6 +122,8 @@ tp_code tp_options_parse(const json_t *json, tp_options *ret_options, tp_error *
     if (json_object_get(json, "max_volume") != NULL)
       return refuse(error, "max_volume", "acts only in the stage refine");
   }
+  if (options.voronoi != TP_VORONOI_NONE && (options.stage == TP_STAGE_DELAUNAY || options.keep_hull))
+    return refuse(error, "voronoi", "cuts cells to facets: not with the stage delaunay or keep_hull");
   *ret_options = options;
   return TP_OK;
 }
@@ -137,6 +146,8 @@ json_t *tp_options_json(const tp_options *options) {
   if (options->seed != 0)
     failed |= json_object_set_new(json, "seed", json_integer((json_int_t)options->seed));
   if (options->neighbours) failed |= json_object_set_new(json, "neighbours", json_true());
+  if (options->voronoi != usual.voronoi)
+    failed |= json_object_set_new(json, "voronoi", json_string(voronoi_names[options->voronoi]));
   if (options->point_order != usual.point_order)
     failed |= json_object_set_new(json, "point_order",
                                   json_string(order_names[options->point_order]));

@@ -19,6 +19,8 @@ extern "C" {
 typedef enum tp_stage { TP_STAGE_DELAUNAY = 0, TP_STAGE_CDT, TP_STAGE_REFINE } tp_stage;
 typedef enum tp_point_order { TP_ORDER_INPUT_FIRST = 0, TP_ORDER_HILBERT } tp_point_order;
 
+typedef enum tp_voronoi { TP_VORONOI_NONE = 0, TP_VORONOI_FACTORS, TP_VORONOI_DIAGRAM } tp_voronoi;
+
 enum { TP_MAX_THREADS = 31 };
 
 typedef struct tp_options {
@@ -29,6 +31,7 @@ typedef struct tp_options {
   double planarity_tolerance; /* >= 0; 0: the engine's default */
   uint64_t seed;              /* up to 2^53 */
   bool neighbours;
+  tp_voronoi voronoi;         /* default TP_VORONOI_NONE; not of delaunay or a kept hull */
   tp_point_order point_order; /* default TP_ORDER_HILBERT */
   uint64_t threads;           /* 1 (default) to TP_MAX_THREADS */
   uint64_t memory_bytes;      /* 0: none */

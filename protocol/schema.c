@@ -47,6 +47,17 @@ static const tp_field mesh_fields[] = {
     {"exception_tetrahedra", TP_U4, 1, false, NULL},
     {"exception_radius_edge", TP_F8, 1, false, "exception_tetrahedra"},
     {"exception_segments", TP_U4, 1, false, "exception_tetrahedra"},
+    {"cell_vertices", TP_U4, 1, false, NULL},
+    {"cell_regions", TP_U4, 1, false, "cell_vertices"},
+    {"cell_volumes", TP_F8, 1, false, "cell_vertices"},
+    {"edge_vertices", TP_U4, 2, false, NULL},
+    {"edge_regions", TP_U4, 1, false, "edge_vertices"},
+    {"edge_factors", TP_F8, 1, false, "edge_vertices"},
+    {"subface_shares", TP_F8, 3, false, "subfaces"},
+    {"voronoi_points", TP_F8, 3, false, NULL},
+    {"voronoi_face_start", TP_U4, 1, false, NULL},
+    {"voronoi_face_points", TP_U4, 1, false, NULL},
+    {"voronoi_face_cells", TP_U4, 2, false, NULL},
 };
 
 static const tp_schema pls_schema = {"pls", pls_fields, sizeof pls_fields / sizeof *pls_fields};

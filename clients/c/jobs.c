@@ -63,6 +63,9 @@ static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
     if (o->neighbours) {
         failed |= set_new(json, "neighbours", json_true());
     }
+    if (o->voronoi != NULL) {
+        failed |= set_new(json, "voronoi", json_string(o->voronoi));
+    }
     if (o->point_order != NULL) {
         failed |= set_new(json, "point_order", json_string(o->point_order));
     }

@@ -32,6 +32,7 @@ enum {
     OPTION_KEEP_HULL,
     OPTION_PLANARITY,
     OPTION_NEIGHBOURS,
+    OPTION_VORONOI,
     OPTION_DEADLINE,
     OPTION_MEMORY,
     OPTION_MAX_VERTICES,
@@ -63,6 +64,8 @@ static const struct {
     {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB,
      "D  how far out of plane a polygon may be"},
     {"neighbours", 0, OPTION_NEIGHBOURS, GROUP_JOB, "        write .neigh beside .node"},
+    {"voronoi", 0, OPTION_VORONOI, GROUP_JOB,
+     "        write the Voronoi cells, their volumes and factors, beside .node or .vtu"},
     {"deadline", 1, OPTION_DEADLINE, GROUP_JOB, "SECONDS the job fails when they have passed"},
     {"memory", 1, OPTION_MEMORY, GROUP_JOB, "BYTES   the engine's budget (K, M or G may follow)"},
     {"max-vertices", 1, OPTION_MAX_VERTICES, GROUP_JOB, "N       of the mesh"},
@@ -198,6 +201,7 @@ static bool apply_job_option(arguments *args, int option, const char *value) {
     case OPTION_THREADS: return read_count(value, false, 1, &o->threads);
     case OPTION_KEEP_HULL: o->keep_hull = 1; return true;
     case OPTION_NEIGHBOURS: o->neighbours = 1; return true;
+    case OPTION_VORONOI: o->voronoi = "diagram"; return true;
     case OPTION_DEADLINE:
         if (!read_positive(value, &real) || real > 1e9) {
             return false;
@@ -265,6 +269,11 @@ static int check_together(const command *which, const arguments *args) {
     if (stage != NULL && strcmp(stage, "refine") != 0 &&
         (args->options.radius_edge != 0 || args->options.max_volume != 0)) {
         return usage_error(which, "--radius-edge and --max-volume belong to --stage refine");
+    }
+    if (args->options.voronoi != NULL &&
+        (args->options.keep_hull || (stage != NULL && strcmp(stage, "delaunay") == 0))) {
+        return usage_error(which, "--voronoi cuts cells to facets: not with --stage delaunay or "
+                                  "--keep-hull");
     }
     return -1;
 }

@@ -20,7 +20,9 @@ static int show_format_error(const tf_error *error) {
 
 static int check_outputs(const arguments *args) {
     tf_error error;
-    if (tf_write_check(args->output, args->options.neighbours != 0, &error) != TF_OK ||
+    const unsigned extras = (args->options.neighbours ? TF_WITH_NEIGHBOURS : 0U) |
+                            (args->options.voronoi != NULL ? TF_WITH_VORONOI : 0U);
+    if (tf_write_check(args->output, extras, &error) != TF_OK ||
         (args->report != NULL && tf_output_check(args->report, &error) != TF_OK)) {
         return show_format_error(&error);
     }

@@ -40,6 +40,22 @@ static json_t *ratio_json(const tetrad_array *ratios, uint64_t i) {
     return isfinite(ratio) ? json_real(ratio) : json_null();
 }
 
+// The worst edge's vertices are numbered as the output is.
+static int renumber_worst(json_t *report, int first_index) {
+    json_t *voronoi = json_object_get(report, "voronoi");
+    json_t *worst = json_object_get(voronoi, "worst");
+    json_t *vertices = json_object_get(worst, "vertices");
+    if (json_array_size(vertices) != 2) {
+        return 0;
+    }
+    const json_int_t a = json_integer_value(json_array_get(vertices, 0)) + first_index;
+    const json_int_t b = json_integer_value(json_array_get(vertices, 1)) + first_index;
+    json_t *mine = json_deep_copy(voronoi); // the job object keeps its own
+    const int failed = json_object_set_new(json_object_get(mine, "worst"), "vertices",
+                                           json_pack("[I,I]", a, b));
+    return failed | json_object_set_new(report, "voronoi", mine);
+}
+
 json_t *make_report(const json_t *job, const tetrad_mesh *mesh, int first_index) {
     json_t *report = json_copy(json_object_get(job, "report"));
     const tetrad_array *tetrahedra = tetrad_mesh_find(mesh, "exception_tetrahedra");
@@ -59,6 +75,7 @@ json_t *make_report(const json_t *job, const tetrad_mesh *mesh, int first_index)
     if (!failed) {
         failed = json_object_set_new(report, "exceptions",
                                      json_pack("{s:I, s:O}", "count", (json_int_t)n, "list", list));
+        failed |= renumber_worst(report, first_index);
         failed |= json_object_set_new(report, "first_index", json_integer(first_index));
     }
     json_decref(list);

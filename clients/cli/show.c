@@ -156,6 +156,12 @@ void show_summary(const json_t *report, const char *output) {
     }
     printf("\n  dihedral      %.4g to %.4g degrees\n", number_at(quality, "dihedral_min", "min"),
            number_at(quality, "dihedral_max", "max"));
+    if (json_object_get(report, "voronoi") != NULL) {
+        printf("  Voronoi       %" JSON_INTEGER_FORMAT " cells, %" JSON_INTEGER_FORMAT
+               " edges, negative factors %" JSON_INTEGER_FORMAT "\n",
+               count_at(report, "voronoi", "cells"), count_at(report, "voronoi", "edges"),
+               count_at(report, "voronoi", "negative_factors"));
+    }
     printf("  promised      %s; audit %s\n", promise_of(promised),
            json_is_true(json_object_get(json_object_get(report, "audit"), "passed")) ? "passed"
                                                                                   : "failed");

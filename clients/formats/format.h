@@ -7,7 +7,9 @@
  *   read   .poly .smesh .node (TetGen's text formats), .off, .stl (ASCII and
  *          binary), .ply (ASCII and binary), .obj, .mesh (Medit, ASCII)
  *   write  .node (.node .ele .face .edge beside each other, and .neigh where the
- *          mesh has neighbours), .mesh, .vtu, .off (the surface)
+ *          mesh has neighbours), .mesh, .vtu, .off (the surface); the dual, where the
+ *          mesh has one, as .v.volume .v.factor .v.share and .v.node .v.edge .v.face
+ *          .v.cell beside .node, as .voronoi.vtu beside .vtu
  *
  * Numbers are read exactly (the nearest double) and written with 17 significant
  * digits, in any locale. No geometry is checked here: that is the engine's part. */
@@ -69,10 +71,13 @@ tf_status tf_parse(tf_format format, const tf_file *file, const tf_file *nodes, 
 /* Whether a .poly or .smesh has its points in the .node file beside it. */
 bool tf_wants_nodes(const tf_file *file);
 
-/* Checks before any work that a mesh can be written to `path`: the extension is one
- * that is written, and the files can be created where they belong (`neighbours`: with
- * .neigh among them). Leaves nothing behind. Errors: TF_E_FORMAT, TF_E_WRITE. */
-tf_status tf_write_check(const char *path, bool neighbours, tf_error *error);
+/* What a mesh may have beyond its simplices. */
+enum { TF_WITH_NEIGHBOURS = 1, TF_WITH_VORONOI = 2 };
+
+/* Checks before any work that a mesh, with the given extras, can be written to `path`: the
+ * extension is one that is written and has room for a dual, and the files can be created
+ * where they belong. Leaves nothing behind. Errors: TF_E_FORMAT, TF_E_WRITE. */
+tf_status tf_write_check(const char *path, unsigned extras, tf_error *error);
 
 /* Writes a mesh to temporary files beside `path` and adds them to `set`, whose
  * tf_outputs_commit gives them their names. `first_index` is the number of the first

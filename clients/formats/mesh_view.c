@@ -15,6 +15,51 @@ static bool indices_below(const uint32_t *v, uint64_t n, uint64_t limit, bool or
     return true;
 }
 
+static bool starts_fit(const uint32_t *start, uint64_t rows, uint64_t entries) {
+    if (rows == 0 || start[0] != 0 || start[rows - 1] != entries) {
+        return false;
+    }
+    for (uint64_t i = 1; i < rows; i++) {
+        if (start[i] < start[i - 1]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// False: a part is missing, or does not fit.
+static bool view_dual(const tp_arrays *set, tf_mesh *m) {
+    uint64_t n_starts = 0, n_corners = 0;
+    m->cell_vertices = tp_arrays_data(set, "cell_vertices", &m->n_cells);
+    m->cell_regions = tp_arrays_data(set, "cell_regions", NULL);
+    m->cell_volumes = tp_arrays_data(set, "cell_volumes", NULL);
+    m->edge_vertices = tp_arrays_data(set, "edge_vertices", &m->n_edges);
+    m->edge_regions = tp_arrays_data(set, "edge_regions", NULL);
+    m->edge_factors = tp_arrays_data(set, "edge_factors", NULL);
+    m->subface_shares = tp_arrays_data(set, "subface_shares", NULL);
+    m->voronoi_points = tp_arrays_data(set, "voronoi_points", &m->n_voronoi_points);
+    m->voronoi_face_start = tp_arrays_data(set, "voronoi_face_start", &n_starts);
+    m->voronoi_face_points = tp_arrays_data(set, "voronoi_face_points", &n_corners);
+    m->voronoi_face_cells = tp_arrays_data(set, "voronoi_face_cells", &m->n_voronoi_faces);
+    const bool factors = m->edge_factors != NULL, diagram = m->voronoi_face_start != NULL;
+    if ((m->cell_volumes != NULL) != factors || (m->edge_regions != NULL) != factors ||
+        (m->cell_regions != NULL) != factors || (m->subface_shares != NULL) != factors ||
+        (m->voronoi_points != NULL) != diagram || (m->voronoi_face_points != NULL) != diagram ||
+        (m->voronoi_face_cells != NULL) != diagram || (diagram && !factors)) {
+        return false;
+    }
+    return (!factors || (m->region_markers != NULL &&
+                         indices_below(m->cell_vertices, m->n_cells, m->n_points, false) &&
+                         indices_below(m->cell_regions, m->n_cells, m->n_regions, false) &&
+                         indices_below(m->edge_vertices, 2 * m->n_edges, m->n_points, false) &&
+                         indices_below(m->edge_regions, m->n_edges, m->n_regions, false))) &&
+           (!diagram ||
+            (n_starts == m->n_voronoi_faces + 1 &&
+             starts_fit(m->voronoi_face_start, n_starts, n_corners) &&
+             indices_below(m->voronoi_face_points, n_corners, m->n_voronoi_points, false) &&
+             indices_below(m->voronoi_face_cells, 2 * m->n_voronoi_faces, m->n_cells, true)));
+}
+
 // Arrays of equal length with what they describe: the schema's check has seen to it
 // that they are, where both are present.
 tf_status tf_mesh_view(const tp_arrays *set, const char *path, tf_mesh *ret_mesh, tf_error *error) {
@@ -56,6 +101,10 @@ tf_status tf_mesh_view(const tp_arrays *set, const char *path, tf_mesh *ret_mesh
         return tf_error_set(error, TF_E_MALFORMED, "%s: the mesh to write has indices out of range",
                             path);
     }
+    if (!view_dual(set, &m)) {
+        return tf_error_set(error, TF_E_MALFORMED,
+                            "%s: the Voronoi cells to write lack an array or do not fit", path);
+    }
     *ret_mesh = m;
     return TF_OK;
 }
@@ -64,6 +113,10 @@ int32_t tf_region_marker(const tf_mesh *mesh, uint64_t t) {
     return mesh->tetrahedron_regions != NULL && mesh->region_markers != NULL
                ? mesh->region_markers[mesh->tetrahedron_regions[t]]
                : 0;
+}
+
+int32_t tf_marker_of(const tf_mesh *mesh, uint32_t region) {
+    return mesh->region_markers != NULL ? mesh->region_markers[region] : 0;
 }
 
 double tf_region_attribute(const tf_mesh *mesh, uint64_t t) {

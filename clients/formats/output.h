@@ -35,7 +35,7 @@ __attribute__((format(printf, 3, 4)))
 #endif
 tf_status tf_error_set(tf_error *error, tf_status status, const char *format, ...);
 
-enum { TF_MAX_OUTPUTS = 8 };
+enum { TF_MAX_OUTPUTS = 16 };
 
 typedef struct tf_output {
     char *path;

@@ -8,83 +8,17 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
-#include "clients/formats/mesh_view.h"
+#include "clients/formats/vtu.h"
 
-enum { BLOCK = 1 << 16, TETRAHEDRON = 10, TRIANGLE = 5, LINE = 3 };
+enum { TETRAHEDRON = 10, TRIANGLE = 5, LINE = 3 };
 
-typedef struct vtu {
-    FILE *file;
-    const tf_mesh *mesh;
-    uint64_t n_cells;
-    bool no_memory;
-} vtu;
-
-static void print_base64(FILE *file, const unsigned char *bytes, size_t size) {
-    static const char digits[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        const size_t left = size - i;
-        const uint32_t bits = (uint32_t)bytes[i] << 16 |
-                              (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
-                              (left > 2 ? bytes[i + 2] : 0);
-        const char four[4] = {digits[bits >> 18], digits[bits >> 12 & 63],
-                              left > 1 ? digits[bits >> 6 & 63] : '=',
-                              left > 2 ? digits[bits & 63] : '='};
-        fwrite(four, 1, 4, file);
-    }
-}
-
-// VTK's layout: [blocks, bytes of a block, bytes of the last if it is short,
-// compressed bytes of each], then the blocks; both parts are base64 by themselves.
-static void print_compressed(vtu *w, const void *data, size_t size) {
-    const size_t n = (size + BLOCK - 1) / BLOCK;
-    uint64_t *head = calloc(n + 3, sizeof *head);
-    unsigned char *packed = malloc(n * compressBound(BLOCK) + 1);
-    size_t at = 0;
-    bool failed = head == NULL || packed == NULL;
-    for (size_t i = 0; i < n && !failed; i++) {
-        const size_t raw = size - i * BLOCK < BLOCK ? size - i * BLOCK : BLOCK;
-        uLongf bytes = compressBound(BLOCK);
-        const unsigned char *block = (const unsigned char *)data + i * BLOCK;
-        failed = compress2(packed + at, &bytes, block, raw, 6) != Z_OK;
-        head[3 + i] = bytes;
-        at += bytes;
-    }
-    if (!failed) {
-        head[0] = n;
-        head[1] = BLOCK;
-        head[2] = size % BLOCK;
-        print_base64(w->file, (const unsigned char *)head, (n + 3) * sizeof *head);
-        print_base64(w->file, packed, at);
-    }
-    w->no_memory = w->no_memory || failed;
-    free(head);
-    free(packed);
-}
-
-static void print_array(vtu *w, const char *type, const char *name, unsigned columns,
-                        const void *data, size_t size) {
-    fprintf(w->file,
-            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%u\" format=\"binary\">", type,
-            name, columns);
-    print_compressed(w, data, size);
-    fputs("</DataArray>\n", w->file);
-}
-
-static void *scratch(vtu *w, uint64_t items, size_t size) {
-    void *data = calloc(items > 0 ? (size_t)items : 1, size);
-    w->no_memory = w->no_memory || data == NULL;
-    return data;
-}
-
-static void print_cells(vtu *w) {
+static void print_cells(tf_vtu *w) {
     const tf_mesh *m = w->mesh;
     const uint64_t n_ends = 4 * m->n_tetrahedra + 3 * m->n_subfaces + 2 * m->n_subsegments;
-    int64_t *ends = scratch(w, n_ends, sizeof *ends);
-    int64_t *offsets = scratch(w, w->n_cells, sizeof *offsets);
-    uint8_t *kinds = scratch(w, w->n_cells, 1);
+    int64_t *ends = tf_vtu_scratch(w, n_ends, sizeof *ends);
+    int64_t *offsets = tf_vtu_scratch(w, w->n_cells, sizeof *offsets);
+    uint8_t *kinds = tf_vtu_scratch(w, w->n_cells, 1);
     if (!w->no_memory) {
         const struct {
             const uint32_t *v;
@@ -105,9 +39,9 @@ static void print_cells(vtu *w) {
             }
         }
         fputs("<Cells>\n", w->file);
-        print_array(w, "Int64", "connectivity", 1, ends, (size_t)n_ends * sizeof *ends);
-        print_array(w, "Int64", "offsets", 1, offsets, (size_t)w->n_cells * sizeof *offsets);
-        print_array(w, "UInt8", "types", 1, kinds, (size_t)w->n_cells);
+        tf_vtu_array(w, "Int64", "connectivity", 1, ends, (size_t)n_ends * sizeof *ends);
+        tf_vtu_array(w, "Int64", "offsets", 1, offsets, (size_t)w->n_cells * sizeof *offsets);
+        tf_vtu_array(w, "UInt8", "types", 1, kinds, (size_t)w->n_cells);
         fputs("</Cells>\n", w->file);
     }
     free(ends);
@@ -115,12 +49,12 @@ static void print_cells(vtu *w) {
     free(kinds);
 }
 
-static void print_cell_data(vtu *w) {
+static void print_cell_data(tf_vtu *w) {
     const tf_mesh *m = w->mesh;
-    int32_t *regions = scratch(w, w->n_cells, sizeof *regions);
-    int32_t *markers = scratch(w, w->n_cells, sizeof *markers);
-    double *ratios = scratch(w, w->n_cells, sizeof *ratios);
-    double *angles = scratch(w, w->n_cells, sizeof *angles);
+    int32_t *regions = tf_vtu_scratch(w, w->n_cells, sizeof *regions);
+    int32_t *markers = tf_vtu_scratch(w, w->n_cells, sizeof *markers);
+    double *ratios = tf_vtu_scratch(w, w->n_cells, sizeof *ratios);
+    double *angles = tf_vtu_scratch(w, w->n_cells, sizeof *angles);
     if (!w->no_memory) {
         for (uint64_t t = 0; t < m->n_tetrahedra; t++) {
             regions[t] = tf_region_marker(m, t);
@@ -137,10 +71,10 @@ static void print_cell_data(vtu *w) {
         }
         const size_t n = (size_t)w->n_cells;
         fputs("<CellData>\n", w->file);
-        print_array(w, "Int32", "region", 1, regions, n * sizeof *regions);
-        print_array(w, "Int32", "marker", 1, markers, n * sizeof *markers);
-        print_array(w, "Float64", "radius_edge", 1, ratios, n * sizeof *ratios);
-        print_array(w, "Float64", "least_dihedral", 1, angles, n * sizeof *angles);
+        tf_vtu_array(w, "Int32", "region", 1, regions, n * sizeof *regions);
+        tf_vtu_array(w, "Int32", "marker", 1, markers, n * sizeof *markers);
+        tf_vtu_array(w, "Float64", "radius_edge", 1, ratios, n * sizeof *ratios);
+        tf_vtu_array(w, "Float64", "least_dihedral", 1, angles, n * sizeof *angles);
         fputs("</CellData>\n", w->file);
     }
     free(regions);
@@ -149,36 +83,28 @@ static void print_cell_data(vtu *w) {
     free(angles);
 }
 
-static void print_point_data(vtu *w) {
+static void print_point_data(tf_vtu *w) {
     const tf_mesh *m = w->mesh;
     const size_t n = (size_t)m->n_points;
     fputs("<PointData>\n", w->file);
     if (m->point_markers != NULL) {
-        print_array(w, "Int32", "marker", 1, m->point_markers, n * sizeof *m->point_markers);
+        tf_vtu_array(w, "Int32", "marker", 1, m->point_markers, n * sizeof *m->point_markers);
     }
     if (m->point_origin != NULL) {
-        print_array(w, "UInt8", "origin", 1, m->point_origin, n);
+        tf_vtu_array(w, "UInt8", "origin", 1, m->point_origin, n);
     }
     if (m->n_attributes > 0) {
-        print_array(w, "Float64", "attributes", (unsigned)m->n_attributes, m->point_attributes,
-                    n * (size_t)m->n_attributes * sizeof *m->point_attributes);
+        tf_vtu_array(w, "Float64", "attributes", (unsigned)m->n_attributes, m->point_attributes,
+                     n * (size_t)m->n_attributes * sizeof *m->point_attributes);
     }
     fputs("</PointData>\n", w->file);
 }
 
 tf_status tf_write_vtu(FILE *file, const tf_mesh *mesh, const char *path, tf_error *error) {
-    vtu w = {file, mesh, mesh->n_tetrahedra + mesh->n_subfaces + mesh->n_subsegments, false};
-    fprintf(file,
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-            "byte_order=\"LittleEndian\" header_type=\"UInt64\" "
-            "compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n"
-            "<Piece NumberOfPoints=\"%" PRIu64 "\" NumberOfCells=\"%" PRIu64 "\">\n<Points>\n",
-            mesh->n_points, w.n_cells);
-    print_array(&w, "Float64", "points", 3, mesh->points, (size_t)mesh->n_points * 24);
-    fputs("</Points>\n", file);
+    tf_vtu w = {file, mesh, mesh->n_tetrahedra + mesh->n_subfaces + mesh->n_subsegments, false};
+    tf_vtu_begin(&w, mesh->n_points, mesh->points);
     print_cells(&w);
     print_point_data(&w);
     print_cell_data(&w);
-    fputs("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
-    return w.no_memory ? tf_error_set(error, TF_E_MEMORY, "%s: no memory", path) : TF_OK;
+    return tf_vtu_end(&w, path, error);
 }

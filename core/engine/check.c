@@ -20,6 +20,10 @@ tet_status tet_check_options(tet_ctx *ctx, const tet_options *o) {
                     o->planarity_tolerance);
   if (o->threads < 1 || o->threads > TET_MAX_THREADS)
     return tet_fail(ctx, TET_E_ARGUMENT, "%u threads: there can be 1 to %d", o->threads, TET_MAX_THREADS);
+  if (o->voronoi != TET_VORONOI_NONE && o->voronoi != TET_VORONOI_FACTORS && o->voronoi != TET_VORONOI_DIAGRAM)
+    return tet_fail(ctx, TET_E_ARGUMENT, "there are no Voronoi cells %d", (int)o->voronoi);
+  if (o->voronoi && (o->stage == TET_STAGE_DELAUNAY || o->keep_hull))
+    return tet_fail(ctx, TET_E_ARGUMENT, "Voronoi cells are cut to facets: not of the stage delaunay or a kept hull");
   if (o->keep_hull && o->stage == TET_STAGE_REFINE)
     return tet_fail(ctx, TET_E_ARGUMENT, "the hull can be kept up to stage cdt: its faces are no facets to refine");
   return TET_OK;

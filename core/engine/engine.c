@@ -5,6 +5,8 @@
 #include "audit/audit.h"
 #include "audit/quality.h"
 #include "build/build.h"
+#include "dual/diagram.h"
+#include "dual/dual.h"
 #include "engine/check.h"
 #include "engine/exceptions.h"
 #include "engine/order.h"
@@ -55,7 +57,21 @@ static void count(tet_report *report, const tet_build_result *built, const tet_r
   report->counts.refine_volume_points = refined->volume_points;
 }
 
-/* Packs, orders and audits; ends the last stage. */
+/* Only of a mesh that is one. */
+static tet_status add_voronoi(tet_ctx *ctx, const tet_options *options, tet_mesh *mesh) {
+  if (mesh->report.audit.bad_indices || mesh->report.audit.flat_or_inverted)
+    return tet_internal(ctx, "no Voronoi cells: the mesh has tetrahedra that are none");
+  tet_stage_begin(ctx, "voronoi");
+  tet_status status = tet_voronoi_factors(ctx, mesh);
+  if (status != TET_OK || options->voronoi != TET_VORONOI_DIAGRAM) return status;
+  status = tet_voronoi_diagram(ctx, mesh);
+  if (options->neighbours) return status;
+  tet_free(ctx, mesh->neighbours); /* they were packed for the diagram alone */
+  mesh->neighbours = NULL;
+  return status;
+}
+
+/* Packs, orders, audits and adds the dual; ends the last stage. */
 static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_build_result *built,
                          tet_refine_result *refined, tet_mesh *mesh) {
   tet_report *report = &mesh->report;
@@ -69,6 +85,7 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
   tet_stage_begin(ctx, "audit");
   status = tet_audit_mesh(ctx, mesh, &report->audit);
   if (status == TET_OK) status = tet_measure_quality(ctx, mesh, &report->quality);
+  if (status == TET_OK && options->voronoi) status = add_voronoi(ctx, options, mesh);
   if (status != TET_OK) return status;
   tet_stage_end(ctx);
   const tet_stage_report *stages = tet_stages(ctx, &report->n_stages);

@@ -38,7 +38,7 @@ static void pack_tetrahedra(const tet_options *options, tet_pieces *p, tet_mesh 
   m->n_tetrahedra = p->n_tets;
   take(&m->tetrahedra, &p->tets);
   take(&m->tetrahedron_regions, &p->region);
-  if (!options->neighbours) return;
+  if (!options->neighbours && options->voronoi != TET_VORONOI_DIAGRAM) return;
   take(&m->neighbours, &p->adj);
   for (uint64_t i = 0; i < 4 * (uint64_t)m->n_tetrahedra; i++)
     if (m->neighbours[i] != TET_NONE) m->neighbours[i] /= 4;

@@ -77,6 +77,9 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   static const tet_stage stages[] = {[TP_STAGE_DELAUNAY] = TET_STAGE_DELAUNAY,
                                      [TP_STAGE_CDT] = TET_STAGE_CDT,
                                      [TP_STAGE_REFINE] = TET_STAGE_REFINE};
+  static const tet_voronoi voronoi[] = {[TP_VORONOI_NONE] = TET_VORONOI_NONE,
+                                        [TP_VORONOI_FACTORS] = TET_VORONOI_FACTORS,
+                                        [TP_VORONOI_DIAGRAM] = TET_VORONOI_DIAGRAM};
   tet_options_default(ret_options);
   ret_options->stage = stages[from->stage];
   ret_options->radius_edge = from->radius_edge;
@@ -84,6 +87,7 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   ret_options->keep_hull = from->keep_hull;
   ret_options->planarity_tolerance = from->planarity_tolerance;
   ret_options->neighbours = from->neighbours;
+  ret_options->voronoi = voronoi[from->voronoi];
   ret_options->seed = from->seed;
   ret_options->threads = (uint32_t)from->threads;
   ret_options->point_order =

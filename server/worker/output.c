@@ -6,6 +6,8 @@
 
 /* All arrays that the mesh has, as views. */
 static tp_code collect(const tet_mesh *m, tp_arrays *set, tp_error *error) {
+  const bool factors = m->edge_factors != NULL, diagram = m->voronoi_face_start != NULL;
+  const uint32_t n_faces = m->n_voronoi_faces, n_corners = diagram ? m->voronoi_face_start[n_faces] : 0;
   struct row {
     const char *name;
     tp_dtype dtype;
@@ -34,6 +36,17 @@ static tp_code collect(const tet_mesh *m, tp_arrays *set, tp_error *error) {
       {"exception_tetrahedra", TP_U4, m->n_exceptions, 0, m->exception_tetrahedra, true},
       {"exception_radius_edge", TP_F8, m->n_exceptions, 0, m->exception_radius_edge, true},
       {"exception_segments", TP_U4, m->n_exceptions, 0, m->exception_segments, true},
+      {"cell_vertices", TP_U4, m->n_cells, 0, m->cell_vertices, factors},
+      {"cell_regions", TP_U4, m->n_cells, 0, m->cell_regions, factors},
+      {"cell_volumes", TP_F8, m->n_cells, 0, m->cell_volumes, factors},
+      {"edge_vertices", TP_U4, m->n_edges, 2, m->edge_vertices, factors},
+      {"edge_regions", TP_U4, m->n_edges, 0, m->edge_regions, factors},
+      {"edge_factors", TP_F8, m->n_edges, 0, m->edge_factors, factors},
+      {"subface_shares", TP_F8, m->n_subfaces, 3, m->subface_shares, factors},
+      {"voronoi_points", TP_F8, m->n_voronoi_points, 3, m->voronoi_points, diagram},
+      {"voronoi_face_start", TP_U4, n_faces + 1, 0, m->voronoi_face_start, diagram},
+      {"voronoi_face_points", TP_U4, n_corners, 0, m->voronoi_face_points, diagram},
+      {"voronoi_face_cells", TP_U4, n_faces, 2, m->voronoi_face_cells, diagram},
   };
   for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
     const struct row *r = &rows[i];

@@ -112,13 +112,28 @@ static json_t *rejected_json(const tet_rejections *r) {
   return o;
 }
 
+static json_t *voronoi_json(const tet_mesh *m) {
+  const tet_voronoi_report *v = &m->report.voronoi;
+  json_t *o = json_object();
+  set_count(o, "cells", m->n_cells);
+  set_count(o, "edges", m->n_edges);
+  set_count(o, "negative_factors", v->negative_factors);
+  if (v->negative_factors)
+    json_object_set_new(o, "worst", json_pack("{s:o, s:[o,o], s:o}", "factor", number(v->worst_factor), "vertices",
+                                              count(v->worst_edge[0]), count(v->worst_edge[1]), "region",
+                                              count(v->worst_region)));
+  return o;
+}
+
 json_t *report_json(const tet_mesh *m, const tet_stage_report *encode) {
   const tet_report *r = &m->report;
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:I}, s:o}", "stages", stages_json(r, encode),
+  json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:I}, s:o}", "stages", stages_json(r, encode),
                    "counts", counts_json(m), "quality", quality_json(&r->quality), "promised",
                    promised_json(&r->promised), "audit", audit_json(&r->audit), "rejected",
                    rejected_json(&r->rejected), "exceptions", "count", (json_int_t)m->n_exceptions,
                    "peak_bytes", count(r->peak_bytes));
+  if (r->voronoi.made) json_object_set_new(o, "voronoi", voronoi_json(m));
+  return o;
 }
 
 static json_t *offence_json(const tet_offence *f) {

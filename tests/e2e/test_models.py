@@ -2,6 +2,7 @@
 """Real models, end to end: tetractl meshes each, and an independent judge looks at the
 mesh; invalid ones are refused with the offending facets named."""
 
+import math
 import re
 
 import models
@@ -45,6 +46,42 @@ def judge():
 def test_mesh_is_what_it_says(model, stage, judge, tmp_path):
     fault, _ = models.check(judge, model, stage, tmp_path)
     assert fault == ""
+
+
+def table(path):
+    """The rows of a file of TetGen's kind, without header and number."""
+    with open(path, encoding="ascii") as f:
+        lines = [line.split() for line in f]
+    return [line[1:] for line in lines[1:]]
+
+
+# Small ones with one region and several, whose refined meshes are boundary conforming Delaunay.
+DUAL = ("twobodies2", "ex1", "sfepy_cylinder_in_box", "elephant")
+
+
+@pytest.mark.parametrize("model", [m for m in VALID if m.stem in DUAL], ids=lambda m: m.name)
+def test_voronoi_cells_fill_the_regions(model, tmp_path):
+    out = tmp_path / "out.node"
+    done, report = models.run_mesher(model, out, "--voronoi")
+    assert done.returncode == 0, done.stderr
+    assert report["promised"]["delaunay"] and report["promised"]["gabriel"]
+    assert report["voronoi"]["negative_factors"] == 0
+    assert min(float(row[-1]) for row in table(tmp_path / "out.v.factor")) > -1e-9
+    points = [[float(x) for x in row[:3]] for row in table(out)]
+    first = report["first_index"]
+    wanted, found = {}, {}
+    for row in table(tmp_path / "out.ele"):
+        a, *others = (points[int(v) - first] for v in row[:4])
+        u, v, w = ([q - p for p, q in zip(a, b)] for b in others)
+        wanted.setdefault(float(row[4]), []).append(
+            (u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0])
+             + u[2] * (v[0] * w[1] - v[1] * w[0])) / 6)
+    for _, region, volume in table(tmp_path / "out.v.volume"):
+        found.setdefault(int(region), []).append(float(volume))
+    # Attributes of .ele and markers need not be one number; the volumes tell the regions.
+    assert len(wanted) == len(found)
+    for a, b in zip(sorted(map(math.fsum, wanted.values())), sorted(map(math.fsum, found.values()))):
+        assert b == pytest.approx(a, rel=1e-12)
 
 
 @pytest.mark.parametrize("model", INVALID, ids=lambda m: m.name)

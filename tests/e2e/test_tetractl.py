@@ -304,6 +304,94 @@ def test_neighbours_are_mutual(tmp_path, cube):
     assert any(-1 in row for row in table)
 
 
+def numbers(path):
+    """The rows of a table, without header and number: words."""
+    return [row[1:] for row in rows(path)[1:]]
+
+
+def test_voronoi_cells_are_written(tmp_path):
+    out, report = tmp_path / "b.node", tmp_path / "b.json"
+    done = tetractl("mesh", BRACKET, "-o", out, "--report", report, "--max-volume", 100, "--voronoi")
+    assert done.returncode == 0, done.stderr
+    assert "Voronoi" in done.stdout
+    said = json.loads(report.read_text(encoding="utf-8"))
+    points = [tuple(map(float, p[:3])) for p in numbers(out)]
+    cells, factors = numbers(tmp_path / "b.v.volume"), numbers(tmp_path / "b.v.factor")
+    assert len(cells) == said["voronoi"]["cells"] and len(factors) == said["voronoi"]["edges"]
+    by_region = {}
+    for _, region, volume in cells:
+        by_region[region] = by_region.get(region, 0) + float(volume)
+    assert set(by_region) == {"1", "2"}
+    assert sum(by_region.values()) == pytest.approx(said["quality"]["volume"], rel=1e-12)
+    if said["promised"]["delaunay"] and said["promised"]["gabriel"]:
+        assert said["voronoi"]["negative_factors"] == 0
+
+    # Every cell's volume follows from its factors; every surface share belongs to its .face row.
+    of_cell = {(int(k), region): 0 for k, region, _ in cells}
+    for k, l, region, factor in factors:
+        squared = sum((a - b) ** 2 for a, b in zip(points[int(k) - 1], points[int(l) - 1]))
+        for v in int(k), int(l):
+            of_cell[v, region] += float(factor) * squared / 6
+    for k, region, volume in cells:
+        assert of_cell[int(k), region] == pytest.approx(float(volume), rel=1e-9)
+    shares = numbers(tmp_path / "b.v.share")
+    assert [s[:4] for s in shares] == numbers(out.with_suffix(".face"))
+
+    # The polyhedra: each edge of a cell has two of its faces.
+    sides, faces = numbers(tmp_path / "b.v.edge"), numbers(tmp_path / "b.v.face")
+    bodies = numbers(tmp_path / "b.v.cell")
+    assert len(bodies) == len(cells)
+    assert len(numbers(tmp_path / "b.v.node")) == max(int(x) for s in sides for x in s)
+    for c, body in enumerate(bodies, 1):
+        met = {}
+        assert len(body) == int(body[0]) + 1
+        for face in (faces[int(f) - 1] for f in body[1:]):
+            assert str(c) in face[:2] and len(face) == int(face[2]) + 3
+            for side in face[3:]:
+                met[side] = met.get(side, 0) + 1
+        assert set(met.values()) == {2}
+
+
+def test_voronoi_cells_beside_vtu(tmp_path, cube):
+    out = tmp_path / "c.vtu"
+    assert tetractl("mesh", cube, "-o", out, "--voronoi", "--quiet").returncode == 0
+    grid = xml.etree.ElementTree.parse(tmp_path / "c.voronoi.vtu").getroot()
+    assert grid.find("UnstructuredGrid/Piece").get("NumberOfCells") == "8"
+    flat = vtu_array(grid, "points", "d")
+    points = [flat[i:i + 3] for i in range(0, len(flat), 3)]
+    corners, offsets = vtu_array(grid, "connectivity", "q"), vtu_array(grid, "offsets", "q")
+    faces, ends = vtu_array(grid, "faces", "q"), vtu_array(grid, "faceoffsets", "q")
+    assert vtu_array(grid, "types", "B") == [42] * 8
+    assert vtu_array(grid, "vertex", "q") == list(range(8))
+    assert offsets[-1] == len(corners) and ends[-1] == len(faces)
+    for c, volume in enumerate(vtu_array(grid, "volume", "d")):
+        assert volume == pytest.approx(1 / 8)
+        stream, used, found = iter(faces[ends[c - 1] if c else 0:ends[c]]), set(), 0
+        for _ in range(next(stream)):
+            polygon = [next(stream) for _ in range(next(stream))]
+            used.update(polygon)
+            a, *others = (points[i] for i in polygon)
+            for b, d in zip(others, others[1:]):  # the cell's outward side: six times the volume under it
+                found += (a[0] * (b[1] * d[2] - b[2] * d[1]) - a[1] * (b[0] * d[2] - b[2] * d[0])
+                          + a[2] * (b[0] * d[1] - b[1] * d[0]))
+        assert next(stream, None) is None
+        assert found / 6 == pytest.approx(1 / 8)
+        assert sorted(used) == corners[offsets[c - 1] if c else 0:offsets[c]]
+
+
+@pytest.mark.parametrize("wrong", [("--stage", "delaunay"), ("--stage", "cdt", "--keep-hull")])
+def test_voronoi_cells_need_facets(tmp_path, cube, wrong):
+    done = tetractl("mesh", cube, "-o", tmp_path / "c.node", "--voronoi", *wrong)
+    assert done.returncode == 2 and "--voronoi" in done.stderr
+    assert only(tmp_path, "cube.off")
+
+
+def test_voronoi_cells_need_a_format_that_has_them(tmp_path, cube):
+    done = tetractl("mesh", cube, "-o", tmp_path / "c.mesh", "--voronoi")
+    assert done.returncode == 2 and "Voronoi" in done.stderr
+    assert only(tmp_path, "cube.off")
+
+
 def test_quiet_is_silent_and_json_is_the_report(tmp_path, cube):
     report = tmp_path / "r.json"
     done = tetractl("mesh", cube, "-o", tmp_path / "a.node", "--quiet", "--report", report)
@@ -378,10 +466,11 @@ def test_every_codec_brings_the_same_mesh_over_tcp(tmp_path, tmp_path_factory):
     with Daemon(tmp_path_factory.mktemp("daemon"), "--tcp", f"127.0.0.1:{port}", workers=1):
         for codec in ("mesh", "zlib", "raw"):
             out = tmp_path / f"{codec}.node"
-            done = tetractl("mesh", BRACKET, "-o", out, "--codec", codec, "--quiet",
+            done = tetractl("mesh", BRACKET, "-o", out, "--codec", codec, "--quiet", "--voronoi",
                             "--connect", f"tcp:127.0.0.1:{port}")
             assert done.returncode == 0, done.stderr
-            written.append([out.with_suffix(s).read_bytes() for s in (".node", ".ele", ".face", ".edge")])
+            written.append([out.with_suffix(s).read_bytes() for s in (".node", ".ele", ".face", ".edge", ".v.volume",
+                                                                      ".v.factor", ".v.share", ".v.node", ".v.cell")])
     assert written[0] == written[1] == written[2]
 
 

@@ -24,7 +24,7 @@ typedef struct tet_limits {
 
 /* What runs now. `fraction` is in [0,1], or negative where it cannot be known. */
 typedef struct tet_progress {
-  const char *stage; /* delaunay surface segments facets regions refine audit */
+  const char *stage; /* delaunay surface segments facets regions refine audit voronoi */
   double fraction;
   uint64_t vertices;
   uint64_t tetrahedra;

@@ -29,6 +29,12 @@ typedef enum tet_point_order {
   TET_ORDER_HILBERT = 1      /* all vertices along a Hilbert curve */
 } tet_point_order;
 
+typedef enum tet_voronoi {
+  TET_VORONOI_NONE = 0,
+  TET_VORONOI_FACTORS = 1, /* cell volumes, edge factors, shares of subfaces */
+  TET_VORONOI_DIAGRAM = 2  /* these, and the cells as polyhedra */
+} tet_voronoi;
+
 enum { TET_MAX_THREADS = 31 };
 
 typedef struct tet_options {
@@ -38,6 +44,7 @@ typedef struct tet_options {
   int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
   int neighbours;              /* deliver the neighbours array */
+  tet_voronoi voronoi;         /* cells cut to the facets; not with DELAUNAY or keep_hull, whose hull has none */
   tet_point_order point_order; /* with HILBERT, point_same_as gives each input vertex's row */
   uint64_t seed;               /* of the insertion order; the result does not depend on it */
   uint32_t threads;            /* that the run may use, 1 to TET_MAX_THREADS; default 1. The result does not

@@ -102,6 +102,15 @@ typedef struct tet_counts {
   uint64_t outside_tetrahedra;
 } tet_counts;
 
+/* Of Voronoi cells, where they were asked for. */
+typedef struct tet_voronoi_report {
+  int made;
+  uint64_t negative_factors; /* edge factors below 0 by more than rounding */
+  double worst_factor;       /* the lowest of them, else 0 */
+  uint32_t worst_edge[2];    /* its vertices */
+  uint32_t worst_region;
+} tet_voronoi_report;
+
 typedef struct tet_report {
   uint32_t n_stages;
   tet_stage_report stages[TET_MAX_STAGES];
@@ -110,6 +119,7 @@ typedef struct tet_report {
   tet_promise promised;
   tet_audit audit;
   tet_rejections rejected;
+  tet_voronoi_report voronoi;
   uint64_t peak_bytes;
 } tet_report;
 
@@ -149,6 +159,29 @@ typedef struct tet_mesh {
   uint32_t *exception_tetrahedra;   /* [n] */
   double *exception_radius_edge;    /* [n] */
   uint32_t *exception_segments;     /* [n] subsegment row of the sharp segment to blame, or TET_NONE */
+
+  /* Voronoi cells cut to the domain and its regions; NULL (and 0 rows) unless asked for.
+   * For c at the vertices and a flux function g, (1.3) of the thesis reads
+   * |K| (c_K - c_K') / dt + sum over the edges KL of factor g(c_K, c_L) = 0. */
+  uint32_t n_cells;
+  uint32_t *cell_vertices; /* [n] ascending: the vertex K that the cell is of, */
+  uint32_t *cell_regions;  /* [n] then ascending: the region that it is in */
+  double *cell_volumes;    /* [n] |K| */
+  uint32_t n_edges;
+  uint32_t *edge_vertices; /* [n][2] K < L, ascending */
+  uint32_t *edge_regions;  /* [n] ascending for each edge: regions around it */
+  double *edge_factors;    /* [n] |sigma_KL| / |x_K - x_L| in that region; signed */
+  double *subface_shares;  /* [n_subfaces][3] areas of the cells' cuts by a subface, of its vertices; signed */
+
+  /* The cells as polyhedra, closed by polygons on the borders of regions; NULL unless asked for.
+   * Face m, for m < n_edges, is that of row m of the edges (its first, where a region touches
+   * itself at the edge); further ones of such edges follow, then those on borders. */
+  uint32_t n_voronoi_points;
+  double *voronoi_points;         /* [n][3]; the first n_tetrahedra are the tetrahedra's circumcentres */
+  uint32_t n_voronoi_faces;
+  uint32_t *voronoi_face_start;   /* [n + 1] CSR: face to its corners, */
+  uint32_t *voronoi_face_points;  /* counterclockwise seen from the second cell: rows of voronoi_points */
+  uint32_t *voronoi_face_cells;   /* [n][2] rows of the cells on both sides; the second TET_NONE: outside */
 
   tet_report report;
 } tet_mesh;

@@ -23,6 +23,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_true(options.radius_edge == 2.0);
     assert_true(options.max_volume == 0.0);
     assert_false(options.keep_hull);
+    assert_int_equal(options.voronoi, TP_VORONOI_NONE);
     assert_int_equal(options.point_order, TP_ORDER_HILBERT);
     assert_true(options.memory_bytes == 0 && options.max_vertices == 0 && options.seed == 0);
   }
@@ -48,6 +49,10 @@ static void refusals_name_the_option(void **state) {
       {"{\"max_vertices\":9007199254740993}", "options.max_vertices"},
       {"{\"point_order\":\"random\"}", "options.point_order"},
       {"{\"neighbors\":true}", "options.neighbors"},
+      {"{\"voronoi\":true}", "options.voronoi"},
+      {"{\"voronoi\":\"cells\"}", "options.voronoi"},
+      {"{\"stage\":\"delaunay\",\"voronoi\":\"factors\"}", "options.voronoi"},
+      {"{\"stage\":\"cdt\",\"keep_hull\":true,\"voronoi\":\"diagram\"}", "options.voronoi"},
       {"{\"stage\":\"cdt\",\"radius_edge\":2}", "options.radius_edge"},
       {"{\"stage\":\"delaunay\",\"max_volume\":2}", "options.max_volume"},
       {"[]", "options"},
@@ -89,6 +94,14 @@ static void what_is_written_is_read(void **state) {
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
               read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
+  for (int voronoi = TP_VORONOI_FACTORS; voronoi <= TP_VORONOI_DIAGRAM; voronoi++) {
+    tp_options_default(&read);
+    read.voronoi = (tp_voronoi)voronoi;
+    json = tp_options_json(&read);
+    assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
+    json_decref(json);
+    assert_int_equal(read.voronoi, voronoi);
+  }
   assert_int_equal(parse("{\"stage\":\"cdt\"}", &read, NULL), TP_OK);
   assert_int_equal(read.stage, TP_STAGE_CDT);
   assert_string_equal(tp_stage_name(TP_STAGE_DELAUNAY), "delaunay");

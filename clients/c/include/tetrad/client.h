@@ -72,6 +72,7 @@ typedef struct tetrad_options {
     int keep_hull;              /* keep the convex hull */
     double planarity_tolerance; /* length */
     int neighbours;             /* deliver the array `neighbours` */
+    const char *voronoi;        /* "factors", "diagram"; NULL: no Voronoi cells */
     const char *point_order;    /* "hilbert" (default), "input_first" */
     uint64_t seed;
     uint64_t threads;           /* that meshing may use */

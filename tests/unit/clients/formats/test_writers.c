@@ -52,6 +52,30 @@ static tp_arrays sample_mesh(void) {
     return set;
 }
 
+// A dual for it, of numbers that are easy to tell: two cells, two faces, one of them outside.
+static const uint32_t cell_vertices[2] = {0, 4}, cell_regions[2] = {0, 1}, edge_vertices[2] = {0, 4},
+                      edge_regions[1] = {1}, face_start[3] = {0, 3, 6}, face_cells[4] = {0, 1, 1, UINT32_MAX};
+static const uint32_t face_points[6] = {0, 1, 2, 2, 1, 3};
+static const double volumes[2] = {0.25, 1.0 / 3.0}, factors[1] = {-0.5}, shares[6] = {1, 2, 3, 4, 5, 6};
+static const double voronoi_points[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+static void add_factors(tp_arrays *set) {
+    borrow(set, "cell_vertices", TP_U4, 2, 0, cell_vertices);
+    borrow(set, "cell_regions", TP_U4, 2, 0, cell_regions);
+    borrow(set, "cell_volumes", TP_F8, 2, 0, volumes);
+    borrow(set, "edge_vertices", TP_U4, 1, 2, edge_vertices);
+    borrow(set, "edge_regions", TP_U4, 1, 0, edge_regions);
+    borrow(set, "edge_factors", TP_F8, 1, 0, factors);
+    borrow(set, "subface_shares", TP_F8, 2, 3, shares);
+}
+
+static void add_diagram(tp_arrays *set, const uint32_t *points_of_faces) {
+    borrow(set, "voronoi_points", TP_F8, 4, 3, voronoi_points);
+    borrow(set, "voronoi_face_start", TP_U4, 3, 0, face_start);
+    borrow(set, "voronoi_face_points", TP_U4, 6, 0, points_of_faces);
+    borrow(set, "voronoi_face_cells", TP_U4, 2, 2, face_cells);
+}
+
 static int make_folder(void **state) {
     char *folder = strdup("/tmp/tetrad-writers-XXXXXX");
     *state = folder;
@@ -86,8 +110,7 @@ static char *path_in(const char *folder, const char *name) {
     return path;
 }
 
-static void write_sample(const char *folder, const char *name, int first) {
-    tp_arrays mesh = sample_mesh();
+static void write_set(tp_arrays mesh, const char *folder, const char *name, int first) {
     tf_outputs set = TF_OUTPUTS_INIT;
     tf_error error = {TF_OK, 0, ""};
     if (tf_write_mesh(&set, path_in(folder, name), &mesh, first, &error) != TF_OK ||
@@ -95,6 +118,10 @@ static void write_sample(const char *folder, const char *name, int first) {
         fail_msg("%s", error.message);
     }
     tp_arrays_free(&mesh);
+}
+
+static void write_sample(const char *folder, const char *name, int first) {
+    write_set(sample_mesh(), folder, name, first);
 }
 
 static void check_text(const char *folder, const char *name, const char *expected) {
@@ -123,6 +150,60 @@ static void writes_tetgen_files(void **state) {
     assert_memory_equal(tp_arrays_data(&back.arrays, "point_markers", NULL), point_markers,
                         sizeof point_markers);
     tf_pls_free(&back);
+}
+
+static void writes_the_dual(void **state) {
+    tp_arrays mesh = sample_mesh();
+    add_factors(&mesh);
+    write_set(mesh, *state, "f.node", 0);
+    assert_int_equal(files_in(*state, 0), 5 + 3);
+    check_text(*state, "f.v.volume", "2\n0 0 10 0.25\n1 4 20 0.33333333333333331\n");
+    check_text(*state, "f.v.factor", "1\n0 0 4 20 -0.5\n");
+    check_text(*state, "f.v.share", "2\n0 0 1 2 7 1 2 3\n1 1 2 3 -8 4 5 6\n");
+    files_in(*state, 1);
+    mesh = sample_mesh();
+    add_factors(&mesh);
+    add_diagram(&mesh, face_points);
+    write_set(mesh, *state, "d.node", 1);
+    assert_int_equal(files_in(*state, 0), 5 + 3 + 4);
+    check_text(*state, "d.v.volume", "2\n1 1 10 0.25\n2 5 20 0.33333333333333331\n");
+    check_text(*state, "d.v.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
+    check_text(*state, "d.v.edge", "5\n1 1 2\n2 1 3\n3 2 3\n4 2 4\n5 3 4\n");
+    check_text(*state, "d.v.face", "2\n1 1 2 3 1 3 2\n2 2 -1 3 3 4 5\n");
+    check_text(*state, "d.v.cell", "2\n1 1 1\n2 2 1 2\n");
+    files_in(*state, 1);
+    mesh = sample_mesh();
+    add_factors(&mesh);
+    add_diagram(&mesh, face_points);
+    write_set(mesh, *state, "d.vtu", 1);
+    assert_int_equal(files_in(*state, 0), 2);
+}
+
+static void refuses_a_dual_that_does_not_fit(void **state) {
+    const uint32_t wrong[6] = {0, 1, 2, 2, 1, 4};
+    for (int i = 0; i < 3; i++) {
+        tp_arrays mesh = sample_mesh();
+        tf_outputs set = TF_OUTPUTS_INIT;
+        tf_error error;
+        if (i != 1) {
+            add_factors(&mesh);
+        }
+        add_diagram(&mesh, i == 2 ? wrong : face_points);
+        if (i == 0) {
+            mesh.items[mesh.count - 3].shape[0] = 2; // one polygon's end is missing
+        }
+        assert_int_equal(tf_write_mesh(&set, path_in(*state, "a.node"), &mesh, 0, &error), TF_E_MALFORMED);
+        tf_outputs_drop(&set);
+        tp_arrays_free(&mesh);
+    }
+    tf_error error;
+    assert_int_equal(tf_write_check(path_in(*state, "a.mesh"), TF_WITH_VORONOI, &error), TF_E_FORMAT);
+    assert_int_equal(tf_write_check(path_in(*state, "a.vtu"), TF_WITH_VORONOI, &error), TF_OK);
+    assert_int_equal(mkdir(path_in(*state, "a.v.cell"), 0700), 0);
+    assert_int_equal(tf_write_check(path_in(*state, "a.node"), 0, &error), TF_OK);
+    assert_int_equal(tf_write_check(path_in(*state, "a.node"), TF_WITH_VORONOI, &error), TF_E_WRITE);
+    assert_int_equal(rmdir(path_in(*state, "a.v.cell")), 0);
+    assert_int_equal(files_in(*state, 0), 0);
 }
 
 static void writes_medit(void **state) {
@@ -162,15 +243,15 @@ static void leaves_nothing_when_dropped_or_impossible(void **state) {
     assert_int_equal(files_in(*state, 0), 5);
     tf_outputs_drop(&set);
     assert_int_equal(files_in(*state, 0), 0);
-    assert_int_equal(tf_write_check(path_in(*state, "a.node"), true, &error), TF_OK);
-    assert_int_equal(tf_write_check(path_in(*state, "a.vtu"), false, &error), TF_OK);
+    assert_int_equal(tf_write_check(path_in(*state, "a.node"), TF_WITH_NEIGHBOURS, &error), TF_OK);
+    assert_int_equal(tf_write_check(path_in(*state, "a.vtu"), 0, &error), TF_OK);
     assert_int_equal(files_in(*state, 0), 0);
-    assert_int_equal(tf_write_check(path_in(*state, "no/a.vtu"), false, &error), TF_E_WRITE);
-    assert_int_equal(tf_write_check(path_in(*state, "a.stl"), false, &error), TF_E_FORMAT);
-    assert_int_equal(tf_write_check(path_in(*state, "a"), false, &error), TF_E_FORMAT);
+    assert_int_equal(tf_write_check(path_in(*state, "no/a.vtu"), 0, &error), TF_E_WRITE);
+    assert_int_equal(tf_write_check(path_in(*state, "a.stl"), 0, &error), TF_E_FORMAT);
+    assert_int_equal(tf_write_check(path_in(*state, "a"), 0, &error), TF_E_FORMAT);
     // A folder where one of the five files belongs.
     assert_int_equal(mkdir(path_in(*state, "a.face"), 0700), 0);
-    assert_int_equal(tf_write_check(path_in(*state, "a.node"), false, &error), TF_E_WRITE);
+    assert_int_equal(tf_write_check(path_in(*state, "a.node"), 0, &error), TF_E_WRITE);
     assert_int_equal(tf_write_mesh(&set, path_in(*state, "a.node"), &mesh, 0, &error), TF_E_WRITE);
     tf_outputs_drop(&set);
     assert_int_equal(rmdir(path_in(*state, "a.face")), 0);
@@ -198,7 +279,8 @@ static void refuses_meshes_that_would_be_read_out_of_range(void **state) {
 int main(void) {
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        WITH_FOLDER(writes_tetgen_files), WITH_FOLDER(writes_medit),
+        WITH_FOLDER(writes_tetgen_files), WITH_FOLDER(writes_the_dual),
+        WITH_FOLDER(refuses_a_dual_that_does_not_fit), WITH_FOLDER(writes_medit),
         WITH_FOLDER(writes_off_without_unused_points_at_the_end),
         WITH_FOLDER(leaves_nothing_when_dropped_or_impossible),
         WITH_FOLDER(refuses_meshes_that_would_be_read_out_of_range)};

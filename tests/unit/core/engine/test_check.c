@@ -130,6 +130,15 @@ static void options(void **state) {
   assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   o.stage = TET_STAGE_CDT;
   assert_int_equal(tet_check_options(ctx, &o), TET_OK);
+  o.voronoi = TET_VORONOI_FACTORS; /* nor facets that cells could be cut to */
+  assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
+  o.keep_hull = 0;
+  assert_int_equal(tet_check_options(ctx, &o), TET_OK);
+  o.stage = TET_STAGE_DELAUNAY;
+  assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
+  tet_options_default(&o);
+  o.voronoi = (tet_voronoi)3;
+  assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   tet_options_default(&o);
   o.stage = (tet_stage)3;
   assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
