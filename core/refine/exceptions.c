@@ -79,13 +79,10 @@ tet_status refine_list_exceptions(refiner *r) {
   return status;
 }
 
-/* Looks at every face once more, if any is known that could not be repaired; else all are
- * Delaunay by construction. */
+/* Looks at every face once more: where facets are bent by rounding, the cavities on their two
+ * sides can leave some that are not Delaunay. */
 tet_status refine_check_delaunay(refiner *r) {
-  tet_status status = TET_OK;
-  r->result.n_not_delaunay = 0;
-  if (r->is_broken) status = tet_complex_count_broken(&r->mesh, &r->result.n_not_delaunay);
-  r->is_broken = r->result.n_not_delaunay > 0;
+  tet_status status = tet_complex_count_broken(&r->mesh, &r->result.n_not_delaunay);
   r->result.constrained_delaunay = !r->result.n_not_delaunay;
   return status;
 }

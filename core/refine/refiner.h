@@ -167,7 +167,6 @@ typedef struct refiner {
   refine_list star;               /* scratch */
   refine_list suspects;           /* face handles after a reshaped cavity */
   refine_list stuck;              /* those that no flip repaired */
-  int is_broken;                  /* 1: some that nothing repaired */
 
   refine_waiting *seg_queue, *sub_queue;
   uint32_t n_seg_queue, at_seg_queue, n_sub_queue, at_sub_queue;

@@ -263,9 +263,7 @@ static tet_status repair_face(refiner *r, uint32_t h, int thorough) {
   if (!thorough) return refine_push(r, &r->stuck, h);
   tet_status status = restar(r, r->mesh.v[h], h >> 2, &ok);
   if (status || ok) return status;
-  status = restar(r, r->mesh.v[r->mesh.adj[h]], r->mesh.adj[h] >> 2, &ok);
-  r->is_broken |= !ok;
-  return status;
+  return restar(r, r->mesh.v[r->mesh.adj[h]], r->mesh.adj[h] >> 2, &ok);
 }
 
 static int is_broken(const refiner *r, uint32_t h) {
@@ -284,7 +282,6 @@ static tet_status repair(refiner *r, int thorough) {
     uint32_t h = suspects->at[--suspects->n];
     if (is_broken(r, h)) status = repair_face(r, h, thorough);
   }
-  r->is_broken |= suspects->n > 0;
   suspects->n = 0;
   return status;
 }
