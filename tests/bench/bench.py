@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the benchmarks and prints what they measured beside the peers that are installed.
 
-    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|codec ...] [--repeat N] [--small]
+    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|refine|codec ...] [--repeat N] [--small]
 
 Ours and a peer's runs take turns, as machines are shared and noisy; a row gives medians,
 and the ratio is that of the medians. --small divides all sizes by ten. Nothing here fails by
@@ -10,6 +10,7 @@ the clock; a program that does not work is a failure.
 """
 
 import argparse
+import json
 import os
 import pathlib
 import re
@@ -43,6 +44,7 @@ class Bench:
 
     def __init__(self, programs, scratch, repeat, small):
         self.programs, self.scratch, self.repeat, self.small = programs, scratch, repeat, small
+        self.meshpls = programs.parent / "support" / "meshpls"
         self.cgal = (programs / "peer_cgal") if (programs / "peer_cgal").exists() else None
 
     def sized(self, points):
@@ -148,6 +150,60 @@ def growth(b):
     print(f"  {few}: {costs[0]:.3f}   {many}: {costs[1]:.3f}   ratio {costs[1] / costs[0]:.2f}")
 
 
+CUBE = """8 3 0 0
+0 0 0 0
+1 1 0 0
+2 1 1 0
+3 0 1 0
+4 0 0 1
+5 1 0 1
+6 1 1 1
+7 0 1 1
+6 0
+1
+4 0 1 2 3
+1
+4 4 5 6 7
+1
+4 0 1 5 4
+1
+4 1 2 6 5
+1
+4 2 3 7 6
+1
+4 3 0 4 7
+0
+0
+"""
+
+
+def refine(b):
+    """Seconds of refinement alone, which both tell; thousands of tetrahedra a second."""
+    cube = b.scratch / "cube.poly"
+    cube.write_text(CUBE, encoding="ascii")
+    print(f"Refinement of a cube by volume, radius-edge 1.414, one thread (medians of {b.repeat})")
+    for wanted in [b.sized(1_000_000), b.sized(5_000_000)]:
+        volume = f"{1.8 / wanted:.3e}"
+
+        def ours(v=volume):
+            said = json.loads(output(b.meshpls, cube, "--radius-edge", "1.4143", "--max-volume", v))
+            return {"rate": 1e-3 * said["tets"] / said["stages"]["refine"], "tets": said["tets"],
+                    "bytes": said["peak"] / said["tets"]}
+
+        def tetgen(v=volume):
+            said = output("tetgen", f"-pq1.414a{float(v):.12f}VNEF", cube)
+            tets = float(re.search(r"Mesh tetrahedra:\s*(\d+)", said).group(1))
+            return {"rate": 1e-3 * tets / float(re.search(r"Refinement seconds:\s*([\d.e-]+)", said).group(1))}
+
+        results = b.turns(ours, *([tetgen] if shutil.which("tetgen") else []))
+        row = results[0][0]
+        line = f"  {row['tets']:>9}  {median(results[0], 'rate'):8.0f} k/s {row['bytes']:6.1f} B each at peak"
+        if len(results) > 1:
+            theirs = median(results[1], "rate")
+            line += f"   TetGen {theirs:6.0f} k/s  {median(results[0], 'rate') / theirs:5.2f}"
+        print(line, flush=True)
+
+
 def codec(b):
     points = b.sized(200_000)
     print(f"Codecs on the mesh of {points} random points: bytes on the wire per raw byte")
@@ -159,7 +215,8 @@ def codec(b):
 
 
 def main():
-    benches = {"kernel": kernel, "removal": removal, "threads": threads, "growth": growth, "codec": codec}
+    benches = {"kernel": kernel, "removal": removal, "threads": threads, "growth": growth, "refine": refine,
+               "codec": codec}
     parser = argparse.ArgumentParser()
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("which", nargs="*", choices=[[], *benches], default=[])
