@@ -12,9 +12,10 @@
 #include "audit/quality.h"
 #include "exact/predicates.h"
 
+#include <math.h>
 #include <string.h>
 
-enum { FLAT = 1, EXCEPTION = 2 };
+enum { FLAT = 1, EXCEPTION = 2, SLIVER = 4 };
 
 typedef struct auditor {
   tet_ctx *ctx;
@@ -41,29 +42,34 @@ static uint64_t count_bad_indices(const tet_mesh *m) {
                  beyond(m->subfaces, 3 * (uint64_t)m->n_subfaces, m->n_points) +
                  beyond(m->subsegments, 2 * (uint64_t)m->n_subsegments, m->n_points) +
                  beyond(m->exception_tetrahedra, m->n_exceptions, m->n_tetrahedra) +
+                 beyond(m->sliver_tetrahedra, m->n_slivers, m->n_tetrahedra) +
                  beyond(m->point_same_as, m->n_input_points, m->n_points);
   for (uint64_t i = 0; m->neighbours && i < 4 * (uint64_t)m->n_tetrahedra; i++)
     bad += m->neighbours[i] >= m->n_tetrahedra && m->neighbours[i] != TET_NONE;
   return bad;
 }
 
-/* Orientation, radius-edge bound and volume bounds. */
+/* Orientation, and the bounds of radius-edge ratios, volumes and dihedral angles. */
 static tet_status check_shapes(auditor *a) {
   const tet_mesh *m = a->mesh;
   const tet_promise *promised = &m->report.promised;
   const double slack = 1 + 1e-9;
+  const double bound = cos(promised->min_dihedral * (M_PI / 180)) + 1e-9;
   for (uint32_t i = 0; i < m->n_exceptions; i++) a->flag[m->exception_tetrahedra[i]] |= EXCEPTION;
+  for (uint32_t i = 0; i < m->n_slivers; i++) a->flag[m->sliver_tetrahedra[i]] |= SLIVER;
   for (uint32_t t = 0; t < m->n_tetrahedra; t++) {
     const uint32_t *v = m->tetrahedra + 4 * (size_t)t;
     if (tet_orient3d_xyz(place(m, v[0]), place(m, v[1]), place(m, v[2]), place(m, v[3])) <= 0) {
       a->found.flat_or_inverted++;
       a->flag[t] |= FLAT;
-    } else if (!(a->flag[t] & EXCEPTION)) {
+    } else if ((a->flag[t] & (EXCEPTION | SLIVER)) != (EXCEPTION | SLIVER)) {
       tet_shape s = tet_shape_of(m->points, v);
       double own = promised->region_volumes ? m->region_max_volumes[m->tetrahedron_regions[t]] : 0;
-      a->found.over_radius_edge += promised->radius_edge > 0 && s.radius_edge > promised->radius_edge * slack;
-      a->found.over_volume += (promised->max_volume > 0 && s.volume > promised->max_volume * slack) ||
-                              (own > 0 && s.volume > own * slack);
+      int listed = a->flag[t] & EXCEPTION;
+      a->found.over_radius_edge += !listed && promised->radius_edge > 0 && s.radius_edge > promised->radius_edge * slack;
+      a->found.over_volume += !listed && ((promised->max_volume > 0 && s.volume > promised->max_volume * slack) ||
+                                          (own > 0 && s.volume > own * slack));
+      a->found.under_dihedral += !(a->flag[t] & SLIVER) && promised->min_dihedral > 0 && s.cos_smallest > bound;
     }
     tet_status status = (t & 1023) == 0 ? tet_poll(a->ctx) : TET_OK;
     if (status != TET_OK) return status;
@@ -154,7 +160,8 @@ static tet_status check_faces(auditor *a) {
 
 static int holds(const tet_promise *p, const tet_audit *f) {
   if (f->bad_indices || f->flat_or_inverted || f->adjacency || f->subfaces_missing || f->subsegments_missing) return 0;
-  if (f->region_leaks || f->broken_segments || f->facet_slivers || f->over_radius_edge || f->over_volume) return 0;
+  if (f->region_leaks || f->broken_segments || f->facet_slivers || f->over_radius_edge || f->over_volume ||
+      f->under_dihedral) return 0;
   if (p->delaunay && f->not_delaunay) return 0;
   if (p->constrained_delaunay && f->not_constrained_delaunay) return 0;
   if (p->gabriel && (f->subfaces_encroached || f->subsegments_encroached)) return 0;

@@ -15,6 +15,9 @@ tet_status tet_check_options(tet_ctx *ctx, const tet_options *o) {
     return tet_fail(ctx, TET_E_ARGUMENT, "a radius-edge bound of %g: it must be at least 1", o->radius_edge);
   if (!(o->max_volume >= 0) || !isfinite(o->max_volume))
     return tet_fail(ctx, TET_E_ARGUMENT, "a largest volume of %g: it must be positive, or 0 for none", o->max_volume);
+  if (!(o->min_dihedral >= 0 && o->min_dihedral <= TET_MOST_DIHEDRAL))
+    return tet_fail(ctx, TET_E_ARGUMENT, "a smallest dihedral angle of %g degrees: it must be from 0, for none, to %d",
+                    o->min_dihedral, TET_MOST_DIHEDRAL);
   if (!(o->planarity_tolerance >= 0) || !isfinite(o->planarity_tolerance))
     return tet_fail(ctx, TET_E_ARGUMENT, "a planarity tolerance of %g: it must be positive, or 0 for the default",
                     o->planarity_tolerance);

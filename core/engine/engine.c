@@ -16,7 +16,8 @@
 #include <string.h>
 
 void tet_options_default(tet_options *options) {
-  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .point_order = TET_ORDER_INPUT_FIRST,
+  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5,
+                           .point_order = TET_ORDER_INPUT_FIRST,
                            .threads = 1};
 }
 
@@ -25,6 +26,7 @@ static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_res
   tet_refine_options_default(&how);
   how.radius_edge = options->radius_edge;
   how.max_volume = options->max_volume;
+  how.min_dihedral = options->min_dihedral;
   tet_stage_begin(ctx, "refine");
   tet_status status = tet_refine(ctx, &built->pieces, &how, ret);
   if (status == TET_OK) tet_stage_counts(ctx, built->pieces.n_points, built->pieces.n_tets);
@@ -43,6 +45,7 @@ static tet_promise promise(const tet_options *options, double planarity, const t
     p.delaunay = refined->gabriel && refined->constrained_delaunay; /* Gabriel faces are Delaunay */
     p.radius_edge = options->radius_edge;
     p.max_volume = options->max_volume;
+    p.min_dihedral = options->min_dihedral;
     p.region_volumes = 1;
   }
   return p;
@@ -55,6 +58,8 @@ static void count(tet_report *report, const tet_build_result *built, const tet_r
   report->counts.refine_segment_points = refined->segment_points;
   report->counts.refine_facet_points = refined->facet_points;
   report->counts.refine_volume_points = refined->volume_points;
+  report->counts.first_slivers = refined->n_first_slivers;
+  report->counts.sliver_points = refined->sliver_points;
 }
 
 /* Only of a mesh that is one. */

@@ -11,7 +11,8 @@ void tet_mesh_free(tet_mesh *mesh) {
                  mesh->tetrahedra, mesh->tetrahedron_regions, mesh->neighbours, mesh->subfaces, mesh->subface_facets,
                  mesh->subface_markers, mesh->subsegments, mesh->subsegment_segments, mesh->subsegment_markers,
                  mesh->region_markers, mesh->region_attributes, mesh->region_max_volumes, mesh->exception_tetrahedra,
-                 mesh->exception_radius_edge, mesh->exception_segments, mesh->cell_vertices, mesh->cell_regions,
+                 mesh->exception_radius_edge, mesh->exception_segments, mesh->sliver_tetrahedra,
+                 mesh->sliver_cosines, mesh->sliver_segments, mesh->cell_vertices, mesh->cell_regions,
                  mesh->cell_volumes, mesh->edge_vertices, mesh->edge_regions, mesh->edge_factors, mesh->subface_shares,
                  mesh->voronoi_points, mesh->voronoi_face_start, mesh->voronoi_face_points, mesh->voronoi_face_cells,
                  mesh};

@@ -108,9 +108,17 @@ static void sort_vertices(uint32_t v[4], uint32_t *neighbours) {
   if (neighbours) swap(&neighbours[2], &neighbours[3]);
 }
 
-static void sort_exceptions(const tet_mesh *m, tet_keyed *order) {
-  for (uint32_t i = 0; i < m->n_exceptions; i++) order[i] = (tet_keyed){m->exception_tetrahedra[i], i};
-  tet_sort_keyed(order, m->n_exceptions);
+/* Puts a list of n tetrahedra, each at most once, with their values and segments in the order of
+ * the new rows; `scratch` has room for all tetrahedra. */
+static tet_status order_listed(tet_ctx *ctx, uint32_t n, const uint32_t *row_of, tet_keyed *scratch, uint32_t **tets,
+                               double **values, uint32_t **segments) {
+  rename_all(*tets, n, row_of);
+  for (uint32_t i = 0; i < n; i++) scratch[i] = (tet_keyed){(*tets)[i], i};
+  tet_sort_keyed(scratch, n);
+  tet_status status = permute(ctx, tets, n, sizeof **tets, scratch);
+  if (status == TET_OK) status = permute(ctx, values, n, sizeof **values, scratch);
+  if (status == TET_OK) status = permute(ctx, segments, n, sizeof **segments, scratch);
+  return status;
 }
 
 static tet_status order_tetrahedra(tet_ctx *ctx, tet_mesh *m) {
@@ -125,13 +133,12 @@ static tet_status order_tetrahedra(tet_ctx *ctx, tet_mesh *m) {
   if (status == TET_OK) status = permute(ctx, &m->neighbours, n, 4 * sizeof *m->neighbours, order);
   if (status == TET_OK) {
     if (m->neighbours) rename_all(m->neighbours, 4 * (uint64_t)n, row_of);
-    rename_all(m->exception_tetrahedra, m->n_exceptions, row_of);
-    sort_exceptions(m, order); /* at most one each: `order` is long enough */
-    uint32_t k = m->n_exceptions;
-    status = permute(ctx, &m->exception_tetrahedra, k, sizeof *m->exception_tetrahedra, order);
-    if (status == TET_OK) status = permute(ctx, &m->exception_radius_edge, k, sizeof *m->exception_radius_edge, order);
-    if (status == TET_OK) status = permute(ctx, &m->exception_segments, k, sizeof *m->exception_segments, order);
+    status = order_listed(ctx, m->n_exceptions, row_of, order, &m->exception_tetrahedra, &m->exception_radius_edge,
+                          &m->exception_segments);
   }
+  if (status == TET_OK)
+    status = order_listed(ctx, m->n_slivers, row_of, order, &m->sliver_tetrahedra, &m->sliver_cosines,
+                          &m->sliver_segments);
   tet_free(ctx, row_of);
   tet_free(ctx, order);
   return status;
@@ -166,6 +173,7 @@ static tet_status order_subsegments(tet_ctx *ctx, tet_mesh *m) {
   if (status == TET_OK) status = permute(ctx, &m->subsegment_segments, n, sizeof *m->subsegment_segments, order);
   if (status == TET_OK) status = permute(ctx, &m->subsegment_markers, n, sizeof *m->subsegment_markers, order);
   if (status == TET_OK) rename_all(m->exception_segments, m->n_exceptions, row_of);
+  if (status == TET_OK) rename_all(m->sliver_segments, m->n_slivers, row_of);
   tet_free(ctx, row_of);
   tet_free(ctx, order);
   return status;

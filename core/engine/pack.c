@@ -82,6 +82,10 @@ tet_status tet_pack_mesh(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
     take(&mesh->exception_tetrahedra, &refined->exception_tet);
     take(&mesh->exception_radius_edge, &refined->exception_value);
     take(&mesh->exception_segments, &refined->exception_segment);
+    mesh->n_slivers = refined->n_slivers;
+    take(&mesh->sliver_tetrahedra, &refined->sliver_tet);
+    take(&mesh->sliver_cosines, &refined->sliver_cosine);
+    take(&mesh->sliver_segments, &refined->sliver_segment);
   }
   return TET_OK;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* exceptions.c: what is still over a bound at the end, with the nearest sharp
+/* exceptions.c: what is still over a bound, or a sliver, at the end, with the nearest sharp
  * subsegment; and whether the promises about encroachment hold. */
 #include "refine/refiner.h"
 
@@ -37,45 +37,77 @@ static tet_status nearest_sharp(refiner *r, uint32_t *label, uint32_t *queue) {
   return TET_OK;
 }
 
-/* Lists live tetrahedra over a bound in slot order, which packing keeps: each was queued, and
- * is marked so still. */
-tet_status refine_list_exceptions(refiner *r) {
-  tet_refine_result *ret = &r->result;
-  refine_list bad = {0};
-  refine_shape shape;
+/* Tetrahedra to list: slots, and their rows after packing, which keeps the order of slots. */
+typedef struct listing {
+  refine_list tet, row;
+} listing;
+
+static tet_status note(refiner *r, listing *l, uint32_t t, uint32_t row) {
+  tet_status status = refine_push(r, &l->tet, t);
+  return status ? status : refine_push(r, &l->row, row);
+}
+
+/* Finds those over a bound and the slivers. Each was queued, and is marked so still; slivers
+ * only as long as these were being removed. */
+static tet_status find(refiner *r, listing *over, listing *slivers) {
   tet_status status = TET_OK;
-  uint32_t row = 0;
-  for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++) {
+  refine_shape shape;
+  int all = r->result.n_first_slivers && !r->watch_slivers;
+  for (uint32_t t = 0, row = 0; t < r->mesh.n_slots && !status; t++) {
     if (!refine_alive(r, t)) continue;
     if (r->tet_edges[t] & TET_QUEUED) {
-      status = refine_push(r, &bad, t);
-      if (!status) status = refine_push(r, &bad, row);
+      refine_measure(r, t, &shape);
+      if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, &shape)) status = note(r, over, t, row);
     }
+    if (!status && (all || r->tet_edges[t] & TET_QUEUED) && refine_is_sliver(r, t)) status = note(r, slivers, t, row);
+    if (!status && (t & 4095) == 0) status = tet_poll(r->ctx);
     row++;
   }
-  uint32_t n = bad.n / 2;
+  return status;
+}
+
+/* Fills the rows, values and segments of a list; label: of each slot the segment. */
+static tet_status fill(refiner *r, const listing *l, const uint32_t *label, int is_sliver, uint32_t **ret_tet,
+                       double **ret_value, uint32_t **ret_segment) {
+  uint32_t n = l->tet.n;
+  refine_shape shape;
+  uint32_t *tet = *ret_tet = tet_alloc(r->ctx, n, sizeof *tet);
+  double *value = *ret_value = tet_alloc(r->ctx, n, sizeof *value);
+  uint32_t *segment = *ret_segment = tet_alloc(r->ctx, n, sizeof *segment);
+  if (!tet || !value || !segment) return TET_E_MEMORY;
+  for (uint32_t k = 0; k < n; k++) {
+    tet[k] = l->row.at[k];
+    segment[k] = label[l->tet.at[k]];
+    if (is_sliver) {
+      value[k] = sqrt(refine_sharpest(r, l->tet.at[k]));
+    } else {
+      refine_measure(r, l->tet.at[k], &shape);
+      value[k] = refine_radius_edge(&shape);
+    }
+  }
+  return TET_OK;
+}
+
+/* Lists what is over a bound, and slivers. */
+tet_status refine_list_exceptions(refiner *r) {
+  tet_refine_result *ret = &r->result;
+  listing over = {{0}, {0}}, slivers = {{0}, {0}};
   uint32_t *label = NULL, *queue = NULL;
+  tet_status status = find(r, &over, &slivers);
+  if (!status && over.tet.n + slivers.tet.n) {
+    label = tet_alloc(r->ctx, r->mesh.n_slots, sizeof *label);
+    queue = tet_alloc(r->ctx, r->mesh.n_slots, sizeof *queue);
+    status = label && queue ? nearest_sharp(r, label, queue) : TET_E_MEMORY;
+  }
+  if (!status)
+    status = fill(r, &over, label, 0, &ret->exception_tet, &ret->exception_value, &ret->exception_segment);
+  if (!status) status = fill(r, &slivers, label, 1, &ret->sliver_tet, &ret->sliver_cosine, &ret->sliver_segment);
   if (!status) {
-    ret->exception_tet = tet_alloc(r->ctx, n, sizeof *ret->exception_tet);
-    ret->exception_value = tet_alloc(r->ctx, n, sizeof *ret->exception_value);
-    ret->exception_segment = tet_alloc(r->ctx, n, sizeof *ret->exception_segment);
-    label = tet_alloc(r->ctx, n ? r->mesh.n_slots : 0, sizeof *label);
-    queue = tet_alloc(r->ctx, n ? r->mesh.n_slots : 0, sizeof *queue);
-    if (!ret->exception_tet || !ret->exception_value || !ret->exception_segment || !label || !queue)
-      status = TET_E_MEMORY;
+    ret->n_exceptions = over.tet.n;
+    ret->n_slivers = slivers.tet.n;
   }
-  if (!status && n) status = nearest_sharp(r, label, queue);
-  for (uint32_t k = 0; k < n && !status; k++) {
-    uint32_t t = bad.at[2 * (size_t)k];
-    refine_measure(r, t, &shape);
-    ret->exception_tet[k] = bad.at[2 * (size_t)k + 1];
-    ret->exception_value[k] = refine_radius_edge(&shape);
-    ret->exception_segment[k] = label[t];
-  }
-  if (!status) ret->n_exceptions = n;
-  tet_free(r->ctx, label);
-  tet_free(r->ctx, queue);
-  tet_free(r->ctx, bad.at);
+  uint32_t *all[] = {label, queue, over.tet.at, over.row.at, slivers.tet.at, slivers.row.at};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
   return status;
 }
 

@@ -53,9 +53,47 @@ int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s) {
   return s->volume6 > 6 * r->max_volume[r->tet_region[t]] * slack;
 }
 
-/* The bound of each region, INFINITY where there is none. */
-tet_status refine_volume_bounds(refiner *r) {
+/* Squared cosine of the smallest dihedral angle, 1 for a flat tetrahedron: by the normals of
+ * the faces, which point inwards. */
+double refine_sharpest(const refiner *r, uint32_t t) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  const double *o = refine_x(r, v[0]);
+  double a[3], b[3], c[3], n[4][3], nn[4], most = 0;
+  tet_minus(refine_x(r, v[1]), o, a);
+  tet_minus(refine_x(r, v[2]), o, b);
+  tet_minus(refine_x(r, v[3]), o, c);
+  tet_cross(b, c, n[1]);
+  tet_cross(c, a, n[2]);
+  tet_cross(a, b, n[3]);
+  for (int i = 0; i < 3; i++) n[0][i] = -(n[1][i] + n[2][i] + n[3][i]);
+  for (int i = 0; i < 4; i++) nn[i] = tet_square(n[i]);
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < i; j++) {
+      double d = tet_dot(n[i], n[j]); /* minus the cosine, times the lengths */
+      if (d < 0 && !(d * d <= most * nn[i] * nn[j])) most = d * d / (nn[i] * nn[j]);
+    }
+  return most < 1 ? most : 1;
+}
+
+int refine_is_sliver(const refiner *r, uint32_t t) { return 1 - refine_sharpest(r, t) < r->sliver_sine2; }
+
+/* The sine of an angle of few degrees by its series: the same bits everywhere, as what it bounds
+ * decides where points go. */
+static double sine_of_degrees(double degrees) {
+  double x = degrees * (3.14159265358979323846 / 180), term = x, sum = x;
+  for (int k = 1; k < 12; k++) {
+    term *= -x * x / (2 * k * (2 * k + 1));
+    sum += term;
+  }
+  return sum;
+}
+
+/* The bounds: of the sine of dihedral angles, and of each region's volumes, INFINITY where there
+ * is none. */
+tet_status refine_set_bounds(refiner *r) {
   const tet_pieces *p = r->out;
+  double sine = sine_of_degrees(r->o.min_dihedral);
+  r->sliver_sine2 = sine * sine / slack;
   r->max_volume = tet_alloc(r->ctx, p->n_regions, sizeof *r->max_volume);
   if (!r->max_volume && p->n_regions) return TET_E_MEMORY;
   for (uint32_t i = 0; i < p->n_regions; i++) {

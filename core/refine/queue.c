@@ -60,14 +60,21 @@ tet_status refine_open_queue(refiner *r) {
 
 /* The bucket of t if it is over a bound, else BUCKETS. Order O2 (Table 3.2): short edges first,
  * keys within a quarter of their power of two being alike; over the volume alone, as R3.2 waits
- * for R3.1: large ones first, by powers of two, which keeps what is split next close by. */
+ * for R3.1: large ones first, by powers of two, which keeps what is split next close by. Slivers
+ * (3.4.2) come last, the sharpest first. */
 static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
   uint64_t bits;
   refine_measure(r, t, ret_shape);
-  int late = !refine_over_ratio(r, ret_shape);
-  if (late && !refine_over_volume(r, t, ret_shape)) return BUCKETS;
-  memcpy(&bits, late ? &ret_shape->volume6 : &ret_shape->shortest2, sizeof bits);
-  return late ? BUCKETS - 1 - (uint32_t)(bits >> 52 << 2) : (uint32_t)(bits >> 50);
+  int over_ratio = refine_over_ratio(r, ret_shape);
+  if (over_ratio || refine_over_volume(r, t, ret_shape)) {
+    memcpy(&bits, over_ratio ? &ret_shape->shortest2 : &ret_shape->volume6, sizeof bits);
+    return over_ratio ? (uint32_t)(bits >> 50) : 2 * KEYS - 1 - (uint32_t)(bits >> 52 << 2);
+  }
+  if (!r->watch_slivers) return BUCKETS;
+  double sine2 = 1 - refine_sharpest(r, t);
+  if (!(sine2 < r->sliver_sine2)) return BUCKETS;
+  memcpy(&bits, &sine2, sizeof bits);
+  return 2 * KEYS + (uint32_t)(bits >> 50);
 }
 
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
@@ -119,11 +126,12 @@ tet_status refine_queue_tet(refiner *r, uint32_t t) {
 
 /* Entries are numbers alone: one whose slot has another tetrahedron by now tells by that
  * not being queued, or not from this bucket. */
-int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape) {
+int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver) {
   uint32_t b, t;
   while (pop(&r->bad, &b, &t)) {
     if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t, ret_shape) != b) continue;
     *ret_tet = t;
+    *ret_sliver = b >= 2 * KEYS;
     return 1;
   }
   return 0;

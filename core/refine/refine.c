@@ -4,8 +4,11 @@
 #include "refine/refine.h"
 #include "refine/refiner.h"
 
+#include <math.h>
+
 void tet_refine_options_default(tet_refine_options *options) {
-  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .alpha2 = 0.22, .wedge = 100,
+  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .min_dihedral = 0,
+                                  .sliver_points = 5, .alpha2 = 0.22, .wedge = 100,
                                   .crowd = 0.05, .crowd_facets = 0.3, .floor = 1e-3};
 }
 
@@ -13,6 +16,9 @@ void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {
   tet_free(ctx, result->exception_tet);
   tet_free(ctx, result->exception_value);
   tet_free(ctx, result->exception_segment);
+  tet_free(ctx, result->sliver_tet);
+  tet_free(ctx, result->sliver_cosine);
+  tet_free(ctx, result->sliver_segment);
   *result = (tet_refine_result){0};
 }
 
@@ -45,6 +51,7 @@ static tet_status queue_bad(refiner *r) {
 static tet_status step(refiner *r, int *ret_more) {
   uint32_t item;
   refine_shape shape;
+  int sliver;
   refine_outcome outcome;
   *ret_more = 1;
   if (refine_next_seg(r, &item)) {
@@ -55,7 +62,11 @@ static tet_status step(refiner *r, int *ret_more) {
   if (refine_next_sub(r, &item))
     return refine_sub_encroached(r, item) ? refine_split_sub(r, item, CAUSE_VERTEX, &outcome) : TET_OK;
   if (r->stuck.n) return refine_repair_stuck(r);
-  if (refine_next_tet(r, &item, &shape)) return refine_split_tet(r, item, &shape, &outcome);
+  if (refine_next_tet(r, &item, &shape, &sliver)) {
+    if (sliver && r->points.n >= r->last_point) r->watch_slivers = 0; /* what is queued counts no more */
+    else return refine_split_tet(r, item, &shape, sliver, &outcome);
+    return TET_OK;
+  }
   *ret_more = 0;
   return TET_OK;
 }
@@ -76,11 +87,9 @@ static tet_status drain(refiner *r) {
 
 /* While subsegments are encroached, a face need not be able to be Delaunay: so what
  * stuck is repaired when no rule applies, which may let rules apply again. */
-static tet_status run(refiner *r) {
+static tet_status converge(refiner *r) {
   enum { ROUNDS = 8 };
-  tet_status status = queue_encroached(r);
-  if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */
-  if (!status) status = queue_bad(r);
+  tet_status status = TET_OK;
   for (int round = 0; !status; round++) {
     uint64_t flips = r->result.repair_flips;
     status = drain(r);
@@ -92,15 +101,45 @@ static tet_status run(refiner *r) {
   return status;
 }
 
+/* Slivers go the way of all that is badly shaped (3.4.2). That this ends is seen, not proven: so
+ * it has a budget. */
+static tet_status remove_slivers(refiner *r) {
+  enum { LEAST_SLIVER_POINTS = 250 }; /* a few between facets close together may need more each */
+  uint64_t n = 0, before = r->points.n;
+  tet_status polled = TET_OK;
+  for (uint32_t t = 0; t < r->mesh.n_slots && !polled; t++) {
+    n += refine_alive(r, t) && refine_is_sliver(r, t);
+    if ((t & 4095) == 0) polled = tet_poll(r->ctx);
+  }
+  if (polled) return polled;
+  r->result.n_first_slivers = n;
+  r->last_point = before + (uint64_t)fmax(r->o.sliver_points * (double)n, LEAST_SLIVER_POINTS);
+  r->watch_slivers = 1;
+  tet_status status = n ? queue_bad(r) : TET_OK;
+  if (!status && n) status = converge(r);
+  r->result.sliver_points = r->points.n - before;
+  return status;
+}
+
+static tet_status run(refiner *r) {
+  tet_status status = queue_encroached(r);
+  if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */
+  if (!status) status = queue_bad(r);
+  if (!status) status = converge(r);
+  if (!status && r->o.min_dihedral > 0) status = remove_slivers(r);
+  return status;
+}
+
 tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options *options,
                       tet_refine_result *ret) {
-  if (!(options->radius_edge >= 1) || !(options->max_volume >= 0))
-    return tet_fail(ctx, TET_E_ARGUMENT, "a radius-edge bound of %g, a volume bound of %g", options->radius_edge,
-                    options->max_volume);
+  if (!(options->radius_edge >= 1) || !(options->max_volume >= 0) ||
+      !(options->min_dihedral >= 0 && options->min_dihedral <= TET_REFINE_MOST_DIHEDRAL))
+    return tet_fail(ctx, TET_E_ARGUMENT, "a radius-edge bound of %g, a volume bound of %g, a dihedral bound of %g",
+                    options->radius_edge, options->max_volume, options->min_dihedral);
   refiner r = {.ctx = ctx, .o = *options, .out = pieces};
   tet_status status = refine_load(&r);
   if (!status) status = refine_open_queue(&r);
-  if (!status) status = refine_volume_bounds(&r);
+  if (!status) status = refine_set_bounds(&r);
   if (!status) status = refine_find_sharp(&r);
   if (!status) status = refine_lfs(&r);
   if (!status) status = run(&r);

@@ -11,9 +11,14 @@
 #include "base/context.h"
 #include "mesh/pieces.h"
 
+enum { TET_REFINE_MOST_DIHEDRAL = 30 }; /* degrees */
+
 typedef struct tet_refine_options {
   double radius_edge; /* bound rho_0, >= 1 */
   double max_volume;  /* of every tetrahedron; 0: none. Regions: pieces->region_max_volume */
+  double min_dihedral; /* degrees, to 30; with a dihedral angle below it a tetrahedron is a sliver; 0: none is */
+  double sliver_points; /* slivers are given up when their removal has inserted so many vertices
+                           for each that there was, and 250 */
   double alpha2;      /* scales the protecting balls near sharp segments (4.1.2) */
   double wedge;       /* times alpha2: at sharp dihedral angles, where existing vertices force
                          a split */
@@ -29,10 +34,16 @@ typedef struct tet_refine_result {
   uint64_t segment_points, facet_points, volume_points; /* inserted */
   uint64_t repair_flips;         /* that restored Delaunay after rounding */
   uint32_t n_sharp_segments;     /* below 60 degrees to a segment, or 69.3 between facets */
+  uint64_t n_first_slivers;      /* before their removal */
+  uint64_t sliver_points;        /* vertices that their removal inserted */
   uint32_t n_exceptions;         /* tetrahedra over a bound */
   uint32_t *exception_tet;       /* [n] ascending; row of pieces->tets */
   double *exception_value;       /* [n] radius-edge ratio */
   uint32_t *exception_segment;   /* [n] row of pieces->subseg, the nearest sharp one, or TET_NONE */
+  uint32_t n_slivers;            /* that are left */
+  uint32_t *sliver_tet;          /* [n] ascending; row of pieces->tets */
+  double *sliver_cosine;         /* [n] of the smallest dihedral angle */
+  uint32_t *sliver_segment;      /* [n] as exception_segment */
   uint64_t n_not_delaunay;       /* faces off the subfaces that stayed not locally Delaunay */
   int constrained_delaunay;      /* 1: every face off the subfaces is locally Delaunay */
   int gabriel;                   /* 1: no subface or subsegment is encroached */

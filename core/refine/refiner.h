@@ -57,7 +57,7 @@ typedef struct refine_patch {
   double normal[3];  /* unit */
 } refine_patch;
 
-enum { CHUNK = 30, BUCKETS = 2 << 13 };
+enum { CHUNK = 30, KEYS = 1 << 13, BUCKETS = 3 * KEYS };
 
 /* Some of a bucket's tetrahedra. */
 typedef struct refine_chunk {
@@ -171,7 +171,11 @@ typedef struct refiner {
   refine_waiting *seg_queue, *sub_queue;
   uint32_t n_seg_queue, at_seg_queue, n_sub_queue, at_sub_queue;
   size_t cap_seg_queue, cap_sub_queue;
-  int watch_tets; /* 1: R3 has begun */
+  int watch_tets;      /* 1: R3 has begun */
+  int watch_slivers;   /* 1: slivers are removed */
+  int picking;         /* 1: a sliver is being split: points go near where others would */
+  double sliver_sine2; /* squared sine of the bound */
+  uint64_t last_point; /* vertices at which slivers are given up */
   refine_buckets bad;
   double *max_volume; /* [region] */
 
@@ -263,6 +267,10 @@ int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_hits(refiner *r, int subfaces);
 tet_status refine_look_at(refiner *r, uint32_t n);
 
+/* pick.c */
+double refine_chance(const refiner *r, uint32_t k);
+void refine_pick(const refiner *r, double shortest2, double x[3]);
+
 /* quality.c */
 typedef struct refine_shape {
   double to_centre[3]; /* from the first vertex to the circumcentre, times 2 volume6 */
@@ -272,9 +280,11 @@ typedef struct refine_shape {
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
 void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 double refine_radius_edge(const refine_shape *s);
+double refine_sharpest(const refiner *r, uint32_t t);
+int refine_is_sliver(const refiner *r, uint32_t t);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
 int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
-tet_status refine_volume_bounds(refiner *r);
+tet_status refine_set_bounds(refiner *r);
 
 /* queue.c */
 tet_status refine_queue_seg(refiner *r, uint32_t e);
@@ -282,14 +292,14 @@ tet_status refine_queue_sub(refiner *r, uint32_t s);
 int refine_next_seg(refiner *r, uint32_t *ret_seg);
 int refine_next_sub(refiner *r, uint32_t *ret_sub);
 tet_status refine_queue_tet(refiner *r, uint32_t t);
-int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape);
+int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver);
 tet_status refine_open_queue(refiner *r);
 
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */
 tet_status refine_insert(refiner *r, int *ret_ok);
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
-tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, refine_outcome *ret);
+tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret);
 
 /* repair.c */
 tet_status refine_repair(refiner *r);

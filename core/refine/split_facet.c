@@ -4,6 +4,7 @@
  * instead. */
 #include "refine/refiner.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The circumcentre of subface s, put back into its patch's plane. */
@@ -26,6 +27,7 @@ static int centre_of(const refiner *r, uint32_t s, double c[3]) {
   for (int i = 0; i < 3; i++) w[i] = pp * q[i] - qq * p[i];
   for (int i = 0; i < 3; i++)
     c[i] = o[i] + (w[(i + 1) % 3] * n[(i + 2) % 3] - w[(i + 2) % 3] * n[(i + 1) % 3]) / (2 * nn);
+  refine_pick(r, fmin(fmin(pp, qq), pp + qq - 2 * (p[0] * q[0] + p[1] * q[1] + p[2] * q[2])), c);
   const refine_patch *plane = &r->patch[r->sub_patch[s]];
   for (int i = 0; i < 3; i++) off += (c[i] - plane->origin[i]) * plane->normal[i];
   for (int i = 0; i < 3; i++) c[i] -= off * plane->normal[i];

@@ -76,7 +76,7 @@ static double off_tie(const refiner *r) {
 static double fraction(const refiner *r, uint32_t e, uint32_t by, double length) {
   static const double least = 0.1; /* no closer to an end than that */
   uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
-  if (by == TET_NONE) return 0.5;
+  if (by == TET_NONE) return r->picking ? 0.5 + 0.2 * refine_chance(r, 3) : 0.5;
   for (int k = 0; k < 2; k++) {
     if (!shares_end(r, by, k ? b : a)) continue;
     double cut = distance(r, by, k ? b : a) / length * off_tie(r);

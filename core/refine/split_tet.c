@@ -109,19 +109,23 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
-tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, refine_outcome *ret) {
+tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret) {
   uint32_t old[4];
   double centre[3], x[3];
   memcpy(old, r->mesh.v + 4 * (size_t)t, sizeof old);
   refine_circumcentre(r, t, shape, centre);
+  r->picking = is_sliver;
+  refine_pick(r, shape->shortest2, centre);
   uint64_t noise = r->result.rejected.outside;
   tet_status status = try_point(r, t, centre, 1, ret);
   if (!status && noise != r->result.rejected.outside) {
     memcpy(x, centre, sizeof x);
     face_centre(r, t, x);
+    refine_pick(r, shape->shortest2, x);
     status = try_point(r, t, x, 1, ret);
   }
   if (!status && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x)) status = try_point(r, t, x, 0, ret);
+  r->picking = 0;
   if (status || *ret != OUTCOME_INSERTED) return status;
   return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;
 }

@@ -35,12 +35,14 @@ typedef enum tet_voronoi {
   TET_VORONOI_DIAGRAM = 2  /* these, and the cells as polyhedra */
 } tet_voronoi;
 
-enum { TET_MAX_THREADS = 31 };
+enum { TET_MAX_THREADS = 31, TET_MOST_DIHEDRAL = 30 };
 
 typedef struct tet_options {
   tet_stage stage;
   double radius_edge;          /* bound rho_0; >= 1; default 2.0 */
   double max_volume;           /* of every tetrahedron; 0: none */
+  double min_dihedral;         /* degrees, up to TET_MOST_DIHEDRAL: tetrahedra with a smaller dihedral angle are
+                                  slivers, which refinement removes (3.4.2); 0: none are; default 5 */
   int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
   int neighbours;              /* deliver the neighbours array */

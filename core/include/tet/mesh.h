@@ -59,6 +59,7 @@ typedef struct tet_promise {
   int convex;                /* the mesh fills the convex hull of its vertices */
   double radius_edge;        /* bound, the listed exceptions aside; 0: none */
   double max_volume;         /* bound, the listed exceptions aside; 0: none */
+  double min_dihedral;       /* degrees, the listed slivers aside; 0: none */
   int region_volumes;        /* the regions' own bounds hold, the exceptions aside */
   double planarity;          /* largest deviation of a polygon from its plane */
 } tet_promise;
@@ -80,6 +81,7 @@ typedef struct tet_audit {
   uint64_t subsegments_encroached;
   uint64_t over_radius_edge;    /* not listed as exceptions, over the bound */
   uint64_t over_volume;
+  uint64_t under_dihedral;      /* not listed as slivers, under the bound */
   uint64_t region_leaks;        /* faces off subfaces between two regions */
   int passed;                   /* everything promised holds */
 } tet_audit;
@@ -99,6 +101,7 @@ typedef struct tet_counts {
   uint64_t missing_subfaces, cavities;
   uint64_t rounding_flips, rounding_moves;
   uint64_t refine_segment_points, refine_facet_points, refine_volume_points;
+  uint64_t first_slivers, sliver_points; /* before their removal; of the points above, those that it inserted */
   uint64_t outside_tetrahedra;
 } tet_counts;
 
@@ -159,6 +162,11 @@ typedef struct tet_mesh {
   uint32_t *exception_tetrahedra;   /* [n] */
   double *exception_radius_edge;    /* [n] */
   uint32_t *exception_segments;     /* [n] subsegment row of the sharp segment to blame, or TET_NONE */
+
+  uint32_t n_slivers;               /* tetrahedra with a dihedral angle below the promised bound */
+  uint32_t *sliver_tetrahedra;      /* [n] */
+  double *sliver_cosines;           /* [n] of the smallest dihedral angle */
+  uint32_t *sliver_segments;        /* [n] as exception_segments */
 
   /* Voronoi cells cut to the domain and its regions; NULL (and 0 rows) unless asked for.
    * For c at the vertices and a flux function g, (1.3) of the thesis reads

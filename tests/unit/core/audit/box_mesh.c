@@ -142,6 +142,9 @@ static void allocate(tet_ctx *ctx, tet_mesh *m, uint32_t n) {
   m->exception_tetrahedra = tet_calloc(ctx, tets, sizeof *m->exception_tetrahedra);
   m->exception_radius_edge = tet_calloc(ctx, tets, sizeof *m->exception_radius_edge);
   m->exception_segments = tet_calloc(ctx, tets, sizeof *m->exception_segments);
+  m->sliver_tetrahedra = tet_calloc(ctx, tets, sizeof *m->sliver_tetrahedra);
+  m->sliver_cosines = tet_calloc(ctx, tets, sizeof *m->sliver_cosines);
+  m->sliver_segments = tet_calloc(ctx, tets, sizeof *m->sliver_segments);
   m->n_points = m->n_input_points = (uint32_t)points;
 }
 

@@ -204,6 +204,18 @@ static void finds_over_bounds(void **state) {
   expect((tet_audit){.over_volume = mesh->n_tetrahedra / 2});
 }
 
+static void finds_unlisted_slivers(void **state) {
+  (void)state;
+  mesh->report.promised.min_dihedral = 44; /* these have 45 */
+  assert_true(audit().passed);
+  mesh->report.promised.min_dihedral = 46;
+  expect((tet_audit){.under_dihedral = mesh->n_tetrahedra});
+  mesh->sliver_tetrahedra[0] = 3;
+  mesh->n_slivers = 1;
+  expect((tet_audit){.under_dihedral = mesh->n_tetrahedra - 1});
+  mesh->n_slivers = 0;
+}
+
 static void accepts_listed_exceptions(void **state) {
   (void)state;
   mesh->report.promised.radius_edge = 0.8;
@@ -355,7 +367,7 @@ int main(void) {
       TEST(finds_missing_tetrahedron), TEST(finds_wrong_neighbour), TEST(finds_bad_index),
       TEST(finds_dropped_boundary_subface), TEST(finds_dropped_wall_subface), TEST(finds_foreign_subface),
       TEST(finds_repeated_subface), TEST(finds_wrong_region), TEST(finds_missing_subsegment), TEST(finds_broken_chain),
-      TEST(finds_ring), TEST(finds_over_bounds), TEST(accepts_listed_exceptions), TEST(finds_dents), TEST(finds_not_delaunay),
+      TEST(finds_ring), TEST(finds_over_bounds), TEST(accepts_listed_exceptions), TEST(finds_unlisted_slivers), TEST(finds_dents), TEST(finds_not_delaunay),
       TEST(finds_encroached), TEST(finds_facet_sliver), TEST(excuses_creases), TEST(can_be_cancelled), TEST(measures_shapes)};
   return cmocka_run_group_tests_name("audit", tests, NULL, NULL);
 }

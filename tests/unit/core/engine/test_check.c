@@ -122,6 +122,10 @@ static void options(void **state) {
     o.max_volume = k == 0 ? -1e-9 : wrong[k];
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
     o.max_volume = 0;
+    o.min_dihedral = k == 0 ? 30.1 : wrong[k];
+    assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
+    assert_non_null(strstr(tet_ctx_error(ctx)->message, "dihedral"));
+    o.min_dihedral = 0;
     o.planarity_tolerance = k == 0 ? -1e-9 : wrong[k];
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   }

@@ -46,6 +46,10 @@ static void shuffle(tet_mesh *m, uint64_t seed) {
       m->exception_tetrahedra[k] = m->exception_tetrahedra[k] == i   ? j
                                    : m->exception_tetrahedra[k] == j ? i
                                                                      : m->exception_tetrahedra[k];
+    for (uint32_t k = 0; k < m->n_slivers; k++)
+      m->sliver_tetrahedra[k] = m->sliver_tetrahedra[k] == i   ? j
+                                : m->sliver_tetrahedra[k] == j ? i
+                                                               : m->sliver_tetrahedra[k];
     turn(m, i);
   }
   for (uint32_t i = m->n_subfaces; i-- > 1;) {
@@ -65,6 +69,10 @@ static void shuffle(tet_mesh *m, uint64_t seed) {
       m->exception_segments[k] = m->exception_segments[k] == i   ? j
                                  : m->exception_segments[k] == j ? i
                                                                  : m->exception_segments[k];
+    for (uint32_t k = 0; k < m->n_slivers; k++)
+      m->sliver_segments[k] = m->sliver_segments[k] == i   ? j
+                              : m->sliver_segments[k] == j ? i
+                                                           : m->sliver_segments[k];
     swap_bytes(m->subsegments + 2 * i, 0, 1, 4);
   }
 }
@@ -75,6 +83,12 @@ static void except_some(tet_mesh *m) {
     m->exception_tetrahedra[k] = 30 * (3 - k);
     m->exception_radius_edge[k] = k;
     m->exception_segments[k] = k == 1 ? TET_NONE : 5 * k;
+  }
+  m->n_slivers = 2;
+  for (uint32_t k = 0; k < 2; k++) {
+    m->sliver_tetrahedra[k] = 31 * (2 - k);
+    m->sliver_cosines[k] = k;
+    m->sliver_segments[k] = k == 1 ? TET_NONE : 7;
   }
 }
 
@@ -96,6 +110,9 @@ static void assert_same(const tet_mesh *a, const tet_mesh *b) {
   SAME(exception_tetrahedra, a->n_exceptions);
   SAME(exception_radius_edge, a->n_exceptions);
   SAME(exception_segments, a->n_exceptions);
+  SAME(sliver_tetrahedra, a->n_slivers);
+  SAME(sliver_cosines, a->n_slivers);
+  SAME(sliver_segments, a->n_slivers);
 }
 
 static void order_is_canonical(void **state) {
