@@ -56,37 +56,6 @@ void check_laws(const tet_complex *c, const uint8_t *gone) {
   assert_int_equal(live + c->n_free, c->n_slots);
 }
 
-static int compare(const void *a, const void *b) {
-  const uint32_t *x = a, *y = b;
-  for (int i = 0; i < 4; i++)
-    if (x[i] != y[i]) return x[i] < y[i] ? -1 : 1;
-  return 0;
-}
-
-rows sorted_rows(const tet_complex *c) {
-  rows r = {malloc(((size_t)c->n_slots + 1) * sizeof *r.row), 0};
-  assert_non_null(r.row);
-  for (uint32_t t = 0; t < c->n_slots; t++) {
-    uint32_t *v = r.row[r.n];
-    if (!tet_is_live(c, t)) continue;
-    memcpy(v, c->v + 4 * (size_t)t, sizeof *r.row);
-    for (int i = 1; i < 4; i++)
-      for (int j = i; j > 0 && v[j - 1] > v[j]; j--) {
-        uint32_t swap = v[j];
-        v[j] = v[j - 1];
-        v[j - 1] = swap;
-      }
-    r.n++;
-  }
-  qsort(r.row, r.n, sizeof *r.row, compare);
-  return r;
-}
-
-void check_same(const rows *a, const rows *b) {
-  assert_int_equal(a->n, b->n);
-  assert_int_equal(memcmp(a->row, b->row, a->n * sizeof *a->row), 0);
-}
-
 rows rows_without(tet_points *points, const uint8_t *gone) {
   uint32_t n = 0, *ids = malloc(((size_t)points->n + 1) * sizeof *ids);
   tet_complex c;

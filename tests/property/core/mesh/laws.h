@@ -5,21 +5,12 @@
 #define TETRAD_PROPERTY_MESH_LAWS_H
 
 #include "mesh/delaunay.h"
+#include "rows.h"
 
 /* Adjacency is mutual and over equal faces, tetrahedra are positive, no vertex beyond a face is inside
  * the sphere, hull faces are seen by nobody next to them, and no tetrahedron holds a vertex that
  * gone[] (NULL: none) says is not there. */
 void check_laws(const tet_complex *c, const uint8_t *gone);
-
-/* The tetrahedra, ghosts too, as sorted rows of sorted vertices, to be freed by the caller. */
-typedef struct rows {
-  uint32_t (*row)[4];
-  size_t n;
-} rows;
-rows sorted_rows(const tet_complex *c);
-
-/* Fails unless both hold the same tetrahedra; frees neither. */
-void check_same(const rows *a, const rows *b);
 
 /* The rows of the vertices with !gone[v] alone. */
 rows rows_without(tet_points *points, const uint8_t *gone);

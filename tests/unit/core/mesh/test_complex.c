@@ -14,6 +14,7 @@
 
 #include "mesh/delaunay.h"
 #include "exact/predicates.h"
+#include "rows.h"
 
 enum { MOST = 400 };
 
@@ -68,28 +69,6 @@ static void check_laws(tet_complex *c, const cloud *p) {
   for (uint32_t k = 0; k < p->n; k++) assert_true(tet_index_of(c, c->at[k], k) < 4);
 }
 
-static int compare(const void *a, const void *b) { return memcmp(a, b, 4 * sizeof(uint32_t)); }
-
-/* The tetrahedra as sorted rows of sorted vertices. */
-static uint32_t canonical(const tet_complex *c, uint32_t (**ret)[4]) {
-  uint32_t n = 0, (*rows)[4] = malloc(((size_t)c->n_slots + 1) * sizeof *rows);
-  for (uint32_t t = 0; t < c->n_slots; t++) {
-    if (!tet_is_live(c, t)) continue;
-    memcpy(rows[n], c->v + 4 * (size_t)t, sizeof *rows);
-    for (int i = 0; i < 4; i++)
-      for (int j = i + 1; j < 4; j++)
-        if (rows[n][i] > rows[n][j]) {
-          uint32_t swap = rows[n][i];
-          rows[n][i] = rows[n][j];
-          rows[n][j] = swap;
-        }
-    n++;
-  }
-  qsort(rows, n, sizeof *rows, compare);
-  *ret = rows;
-  return n;
-}
-
 static void build(tet_complex *c, tet_ctx *ctx, cloud *p, int expect_volume) {
   tet_complex_init(c, ctx, &p->points);
   assert_int_equal(tet_delaunay(c, p->ids, p->n, 1), expect_volume ? TET_OK : TET_E_DEGENERATE);
@@ -100,7 +79,7 @@ static void laws_hold_and_order_does_not_matter(void **state) {
   static cloud p;
   for (int kind = 0; kind < 4; kind++)
     for (uint32_t seed = 1; seed <= 12; seed++) {
-      uint32_t (*rows[2])[4], n[2];
+      rows made[2];
       print_message("kind %d seed %u\n", kind, seed);
       make_cloud(&p, kind, seed == 12 ? MOST : 8 * seed, seed);
       for (int round = 0; round < 2; round++) {
@@ -110,15 +89,13 @@ static void laws_hold_and_order_does_not_matter(void **state) {
         for (uint32_t i = 0; round && i < p.n; i++) p.ids[i] = p.n - 1 - i;
         build(&c, ctx, &p, 1);
         check_laws(&c, &p);
-        n[round] = canonical(&c, &rows[round]);
+        made[round] = sorted_rows(&c);
         tet_complex_free(&c);
         assert_int_equal(tet_ctx_bytes(ctx), 0);
         tet_ctx_free(ctx);
       }
-      assert_int_equal(n[0], n[1]);
-      assert_memory_equal(rows[0], rows[1], n[0] * sizeof *rows[0]);
-      free(rows[0]);
-      free(rows[1]);
+      check_same(&made[0], &made[1]);
+      for (int round = 0; round < 2; round++) free(made[round].row);
     }
 }
 

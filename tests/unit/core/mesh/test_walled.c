@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "mesh/delaunay.h"
+#include "rows.h"
 
 enum { BOX = 8, BASE = 48, MOST = 128 };
 
@@ -83,30 +84,31 @@ static void insert(tet_complex *w, uint32_t p) {
   free(wall);
 }
 
-static int compare(const void *a, const void *b) { return memcmp(a, b, 4 * sizeof(uint32_t)); }
-
-/* The finite tetrahedra as sorted rows of sorted vertices; adjacency must be mutual. */
-static uint32_t canonical(const tet_complex *c, uint32_t (**ret)[4]) {
-  uint32_t n = 0, (*rows)[4] = malloc(((size_t)c->n_slots + 1) * sizeof *rows);
-  for (uint32_t t = 0; t < c->n_slots; t++) {
-    if (!tet_is_live(c, t) || tet_is_ghost(c, t)) continue;
-    assert_int_equal(c->flag[t], 0);
-    for (uint32_t h = 4 * t; h < 4 * t + 4; h++)
-      if (c->adj[h] != TET_NONE) assert_int_equal(c->adj[c->adj[h]], h);
-      else assert_true(c->wall[t] >> (h & 3) & 1);
-    memcpy(rows[n], c->v + 4 * (size_t)t, sizeof *rows);
-    for (int i = 0; i < 4; i++)
-      for (int j = i + 1; j < 4; j++)
-        if (rows[n][i] > rows[n][j]) {
-          uint32_t swap = rows[n][i];
-          rows[n][i] = rows[n][j];
-          rows[n][j] = swap;
-        }
-    n++;
+/* Adjacency is mutual, and nothing beyond but at walls. */
+static void check_walled(const tet_complex *w) {
+  for (uint32_t h = 0; h < 4 * w->n_slots; h++) {
+    if (!tet_is_live(w, h >> 2)) continue;
+    assert_int_equal(w->flag[h >> 2], 0);
+    if (w->adj[h] != TET_NONE) assert_int_equal(w->adj[w->adj[h]], h);
+    else assert_true(w->wall[h >> 2] >> (h & 3) & 1);
   }
-  qsort(rows, n, sizeof *rows, compare);
-  *ret = rows;
-  return n;
+}
+
+/* The tetrahedralization of the first points, and its walled copy. */
+static void begin_both(tet_complex *whole, tet_complex *w, tet_ctx **ret_ctx, const tet_points *points) {
+  uint32_t ids[BASE];
+  for (uint32_t i = 0; i < BASE; i++) ids[i] = i;
+  assert_int_equal(tet_ctx_create(NULL, ret_ctx), TET_OK);
+  tet_complex_init(whole, *ret_ctx, points);
+  assert_int_equal(tet_delaunay(whole, ids, BASE, 1), TET_OK);
+  make_walled(w, whole);
+}
+
+static void end_both(tet_complex *whole, tet_complex *w, tet_ctx *ctx) {
+  tet_complex_free(whole);
+  tet_complex_free(w);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
 }
 
 static void insertion_is_that_of_the_whole(void **state) {
@@ -116,32 +118,23 @@ static void insertion_is_that_of_the_whole(void **state) {
     for (int ties = 0; ties < 2; ties++) {
       print_message("seed %u ties %d\n", seed, ties);
       tet_points points = make_points(x, ties, seed);
-      uint32_t ids[BASE];
       tet_ctx *ctx;
       tet_complex whole, w;
-      for (uint32_t i = 0; i < BASE; i++) ids[i] = i;
-      assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-      tet_complex_init(&whole, ctx, &points);
-      assert_int_equal(tet_delaunay(&whole, ids, BASE, 1), TET_OK);
-      make_walled(&w, &whole);
+      begin_both(&whole, &w, &ctx, &points);
       assert_int_equal(tet_complex_reserve_vertices(&whole, MOST), TET_OK);
       for (uint32_t p = BASE; p < MOST; p++) {
-        uint32_t (*rows[2])[4], n;
         uint64_t broken;
         assert_int_equal(tet_complex_insert(&whole, p, TET_NONE), TET_OK);
         insert(&w, p);
-        n = canonical(&whole, &rows[0]);
-        assert_int_equal(canonical(&w, &rows[1]), n);
-        assert_memory_equal(rows[0], rows[1], n * sizeof *rows[0]);
+        check_walled(&w);
+        rows expected = finite_rows(&whole), made = finite_rows(&w);
+        check_same(&expected, &made);
+        free(expected.row);
+        free(made.row);
         assert_int_equal(tet_complex_count_broken(&w, &broken), TET_OK);
         assert_int_equal(broken, 0);
-        free(rows[0]);
-        free(rows[1]);
       }
-      tet_complex_free(&whole);
-      tet_complex_free(&w);
-      assert_int_equal(tet_ctx_bytes(ctx), 0);
-      tet_ctx_free(ctx);
+      end_both(&whole, &w, ctx);
     }
 }
 
@@ -152,14 +145,9 @@ static void no_cavity_crosses_a_wall(void **state) {
   uint32_t stopped = 0;
   for (uint32_t seed = 1; seed <= 10; seed++) {
     tet_points points = make_points(x, 0, seed);
-    uint32_t ids[BASE];
     tet_ctx *ctx;
     tet_complex whole, w;
-    for (uint32_t i = 0; i < BASE; i++) ids[i] = i;
-    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-    tet_complex_init(&whole, ctx, &points);
-    assert_int_equal(tet_delaunay(&whole, ids, BASE, 1), TET_OK);
-    make_walled(&w, &whole);
+    begin_both(&whole, &w, &ctx, &points);
     uint8_t *high = calloc(w.n_slots, 1);
     for (uint32_t t = 0; t < w.n_slots; t++) {
       double sum = 0;
@@ -182,9 +170,7 @@ static void no_cavity_crosses_a_wall(void **state) {
       for (uint32_t k = 0; k < w.n_slots; k++) assert_int_equal(w.flag[k], 0);
     }
     free(high);
-    tet_complex_free(&whole);
-    tet_complex_free(&w);
-    tet_ctx_free(ctx);
+    end_both(&whole, &w, ctx);
   }
   assert_true(stopped > 10);
 }
