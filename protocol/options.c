@@ -29,7 +29,8 @@ bool tp_stage_of(const char *name, tp_stage *ret_stage) {
 
 void tp_options_default(tp_options *ret_options) {
   *ret_options = (tp_options){
-      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .point_order = TP_ORDER_HILBERT, .threads = 1};
+      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5.0, .point_order = TP_ORDER_HILBERT,
+      .threads = 1};
 }
 
 static tp_code refuse(tp_error *error, const char *name, const char *wanted) {
@@ -54,10 +55,10 @@ static tp_code read_integer(const json_t *value, const char *name, uint64_t leas
   return TP_OK;
 }
 
-static tp_code read_number(const json_t *value, const char *name, double least, const char *wanted,
-                           double *ret, tp_error *error) {
+static tp_code read_number(const json_t *value, const char *name, double least, double most,
+                           const char *wanted, double *ret, tp_error *error) {
   const double number = json_number_value(value);
-  if (!json_is_number(value) || !(number >= least)) return refuse(error, name, wanted);
+  if (!json_is_number(value) || !(number >= least && number <= most)) return refuse(error, name, wanted);
   *ret = number;
   return TP_OK;
 }
@@ -84,13 +85,17 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
     return TP_OK;
   }
   if (strcmp(name, "radius_edge") == 0)
-    return read_number(value, name, 1.0, "is no number from 1", &options->radius_edge, error);
+    return read_number(value, name, 1.0, DBL_MAX, "is no number from 1", &options->radius_edge,
+                       error);
   if (strcmp(name, "max_volume") == 0)
-    return read_number(value, name, DBL_TRUE_MIN, "is no number over 0", &options->max_volume,
-                       error);
+    return read_number(value, name, DBL_TRUE_MIN, DBL_MAX, "is no number over 0",
+                       &options->max_volume, error);
+  if (strcmp(name, "min_dihedral") == 0)
+    return read_number(value, name, 0.0, TP_MOST_DIHEDRAL, "is no number from 0 to 30",
+                       &options->min_dihedral, error);
   if (strcmp(name, "planarity_tolerance") == 0)
-    return read_number(value, name, 0.0, "is no number from 0", &options->planarity_tolerance,
-                       error);
+    return read_number(value, name, 0.0, DBL_MAX, "is no number from 0",
+                       &options->planarity_tolerance, error);
   if (strcmp(name, "keep_hull") == 0) return read_bool(value, name, &options->keep_hull, error);
   if (strcmp(name, "neighbours") == 0) return read_bool(value, name, &options->neighbours, error);
   if (strcmp(name, "seed") == 0) return read_integer(value, name, 0, &options->seed, error);
@@ -116,11 +121,10 @@ tp_code tp_options_parse(const json_t *json, tp_options *ret_options, tp_error *
         read_option(json_object_iter_key(at), json_object_iter_value(at), &options, error);
     if (code != TP_OK) return code;
   }
-  if (options.stage != TP_STAGE_REFINE) {
-    if (json_object_get(json, "radius_edge") != NULL)
-      return refuse(error, "radius_edge", "acts only in the stage refine");
-    if (json_object_get(json, "max_volume") != NULL)
-      return refuse(error, "max_volume", "acts only in the stage refine");
+  static const char *const of_refine[] = {"radius_edge", "max_volume", "min_dihedral"};
+  for (size_t i = 0; i < sizeof of_refine / sizeof *of_refine && options.stage != TP_STAGE_REFINE; i++) {
+    if (json_object_get(json, of_refine[i]) != NULL)
+      return refuse(error, of_refine[i], "acts only in the stage refine");
   }
   if (options.voronoi != TP_VORONOI_NONE && (options.stage == TP_STAGE_DELAUNAY || options.keep_hull))
     return refuse(error, "voronoi", "cuts cells to facets: not with the stage delaunay or keep_hull");
@@ -139,6 +143,8 @@ json_t *tp_options_json(const tp_options *options) {
     failed |= json_object_set_new(json, "radius_edge", json_real(options->radius_edge));
   if (options->max_volume != 0.0)
     failed |= json_object_set_new(json, "max_volume", json_real(options->max_volume));
+  if (options->min_dihedral != usual.min_dihedral)
+    failed |= json_object_set_new(json, "min_dihedral", json_real(options->min_dihedral));
   if (options->keep_hull) failed |= json_object_set_new(json, "keep_hull", json_true());
   if (options->planarity_tolerance != 0.0)
     failed |= json_object_set_new(json, "planarity_tolerance",

@@ -21,12 +21,13 @@ typedef enum tp_point_order { TP_ORDER_INPUT_FIRST = 0, TP_ORDER_HILBERT } tp_po
 
 typedef enum tp_voronoi { TP_VORONOI_NONE = 0, TP_VORONOI_FACTORS, TP_VORONOI_DIAGRAM } tp_voronoi;
 
-enum { TP_MAX_THREADS = 31 };
+enum { TP_MAX_THREADS = 31, TP_MOST_DIHEDRAL = 30 };
 
 typedef struct tp_options {
   tp_stage stage;             /* default TP_STAGE_REFINE */
   double radius_edge;         /* >= 1; default 2.0; only of refine */
   double max_volume;          /* 0: none (default); only of refine */
+  double min_dihedral;        /* degrees, 0 (slivers stay) to TP_MOST_DIHEDRAL; default 5; only of refine */
   bool keep_hull;
   double planarity_tolerance; /* >= 0; 0: the engine's default */
   uint64_t seed;              /* up to 2^53 */

@@ -43,6 +43,9 @@ static int set_new(json_t *object, const char *name, json_t *value) {
 // The members that the caller gave; what they mean is checked as the server does it.
 static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
                                   tetrad_error *error) {
+    if (o->bound_only && o->min_dihedral != 0) {
+        return tc_fail(error, TETRAD_E_ARGUMENT, "bound_only and min_dihedral exclude each other");
+    }
     json_t *json = json_object();
     int failed = json == NULL;
     if (o->stage != NULL) {
@@ -53,6 +56,9 @@ static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
     }
     if (o->max_volume != 0) {
         failed |= set_new(json, "max_volume", json_real(o->max_volume));
+    }
+    if (o->bound_only || o->min_dihedral != 0) {
+        failed |= set_new(json, "min_dihedral", json_real(o->min_dihedral));
     }
     if (o->keep_hull) {
         failed |= set_new(json, "keep_hull", json_true());

@@ -29,6 +29,8 @@ enum {
     OPTION_STAGE = 256,
     OPTION_RADIUS_EDGE,
     OPTION_MAX_VOLUME,
+    OPTION_MIN_DIHEDRAL,
+    OPTION_BOUND_ONLY,
     OPTION_KEEP_HULL,
     OPTION_PLANARITY,
     OPTION_NEIGHBOURS,
@@ -59,6 +61,10 @@ static const struct {
     {"radius-edge", 1, OPTION_RADIUS_EDGE, GROUP_JOB,
      "R       bound of circumradius to shortest edge, >= 1 (2.0)"},
     {"max-volume", 1, OPTION_MAX_VOLUME, GROUP_JOB, "V       largest volume of a tetrahedron"},
+    {"min-dihedral", 1, OPTION_MIN_DIHEDRAL, GROUP_JOB,
+     "D       degrees, up to 30: smaller dihedral angles are removed where they can be (5)"},
+    {"bound-only", 0, OPTION_BOUND_ONLY, GROUP_JOB,
+     "        stop when the other bounds hold: small dihedral angles stay"},
     {"keep-hull", 0, OPTION_KEEP_HULL, GROUP_JOB,
      "        keep the convex hull: outside and holes stay"},
     {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB,
@@ -194,6 +200,8 @@ static bool apply_job_option(arguments *args, int option, const char *value) {
     case OPTION_CODEC: return read_name(value, codecs, &o->codec);
     case OPTION_RADIUS_EDGE: return read_real(value, 1, &o->radius_edge);
     case OPTION_MAX_VOLUME: return read_positive(value, &o->max_volume);
+    case OPTION_MIN_DIHEDRAL: return read_positive(value, &o->min_dihedral);
+    case OPTION_BOUND_ONLY: o->bound_only = 1; return true;
     case OPTION_PLANARITY: return read_real(value, 0, &o->planarity_tolerance);
     case OPTION_MEMORY: return read_count(value, true, 1, &o->memory_bytes);
     case OPTION_MAX_VERTICES: return read_count(value, false, 1, &o->max_vertices);
@@ -259,7 +267,8 @@ static void long_options(const command *which, struct option table[N_OPTIONS + 1
 }
 
 static int check_together(const command *which, const arguments *args) {
-    const char *stage = args->options.stage;
+    const tetrad_options *o = &args->options;
+    const char *stage = o->stage;
     if (which->subject != NULL && args->subject == NULL) {
         return usage_error(which, "%s is missing", which->subject);
     }
@@ -267,11 +276,15 @@ static int check_together(const command *which, const arguments *args) {
         return usage_error(which, "-o OUTPUT is missing");
     }
     if (stage != NULL && strcmp(stage, "refine") != 0 &&
-        (args->options.radius_edge != 0 || args->options.max_volume != 0)) {
-        return usage_error(which, "--radius-edge and --max-volume belong to --stage refine");
+        (o->radius_edge != 0 || o->max_volume != 0 || o->min_dihedral != 0 || o->bound_only)) {
+        return usage_error(which, "--radius-edge, --max-volume, --min-dihedral and --bound-only "
+                                  "belong to --stage refine");
     }
-    if (args->options.voronoi != NULL &&
-        (args->options.keep_hull || (stage != NULL && strcmp(stage, "delaunay") == 0))) {
+    if (o->bound_only && o->min_dihedral != 0) {
+        return usage_error(which, "--bound-only lets slivers stay: not with --min-dihedral");
+    }
+    if (o->voronoi != NULL &&
+        (o->keep_hull || (stage != NULL && strcmp(stage, "delaunay") == 0))) {
         return usage_error(which, "--voronoi cuts cells to facets: not with --stage delaunay or "
                                   "--keep-hull");
     }

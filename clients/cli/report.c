@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* report.c: the report of a mesh with the list of what breaks the promised bound. */
+/* report.c: the report of a mesh with the lists of what breaks the promised bounds. */
 #include <math.h>
 
 #include "clients/cli/cli.h"
@@ -32,12 +32,58 @@ static json_t *segment_json(const tetrad_mesh *mesh, uint32_t row, int first_ind
                      (json_int_t)ends[1] + first_index);
 }
 
+// What a list holds: the arrays of a mesh, and how their values are shown.
+typedef struct listed {
+    const char *name;
+    const char *tetrahedra, *values, *segments;
+    const char *measure;
+    double (*shown)(double value);
+} listed;
+
+static double same(double value) {
+    return value;
+}
+
+static double degrees(double cosine) {
+    return acos(fmax(-1, fmin(1, cosine))) * (180 / 3.14159265358979323846);
+}
+
+static const listed lists[] = {
+    {"exceptions", "exception_tetrahedra", "exception_radius_edge", "exception_segments",
+     "radius_edge", same},
+    {"slivers", "sliver_tetrahedra", "sliver_cosines", "sliver_segments", "dihedral", degrees}};
+
 // Null for the ratio of a tetrahedron that is flat in doubles: JSON has no infinity.
-static json_t *ratio_json(const tetrad_array *ratios, uint64_t i) {
-    const double ratio = ratios != NULL && ratios->dtype == TETRAD_F8 && i < ratios->shape[0]
-                             ? ((const double *)ratios->data)[i]
+static json_t *value_json(const listed *which, const tetrad_array *values, uint64_t i) {
+    const double value = values != NULL && values->dtype == TETRAD_F8 && i < values->shape[0]
+                             ? which->shown(((const double *)values->data)[i])
                              : INFINITY;
-    return isfinite(ratio) ? json_real(ratio) : json_null();
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+// Sets one list, with its count, in the report.
+static int set_list(json_t *report, const tetrad_mesh *mesh, const listed *which,
+                    int first_index) {
+    const tetrad_array *tetrahedra = tetrad_mesh_find(mesh, which->tetrahedra);
+    const tetrad_array *values = tetrad_mesh_find(mesh, which->values);
+    const uint64_t n = tetrahedra != NULL ? tetrahedra->shape[0] : 0;
+    const uint32_t *rows = indices(mesh, which->tetrahedra, n);
+    const uint32_t *segments = indices(mesh, which->segments, n);
+    json_t *list = json_array();
+    int failed = list == NULL;
+    for (uint64_t i = 0; i < n && rows != NULL && !failed; i++) {
+        json_t *segment =
+            segments != NULL ? segment_json(mesh, segments[i], first_index) : json_null();
+        failed = json_array_append_new(
+            list, json_pack("{s:I, s:o, s:o}", "tetrahedron", (json_int_t)rows[i] + first_index,
+                            which->measure, value_json(which, values, i), "segment", segment));
+    }
+    if (failed) {
+        json_decref(list);
+        return failed;
+    }
+    return json_object_set_new(report, which->name,
+                               json_pack("{s:I, s:o}", "count", (json_int_t)n, "list", list));
 }
 
 // The worst edge's vertices are numbered as the output is.
@@ -58,27 +104,14 @@ static int renumber_worst(json_t *report, int first_index) {
 
 json_t *make_report(const json_t *job, const tetrad_mesh *mesh, int first_index) {
     json_t *report = json_copy(json_object_get(job, "report"));
-    const tetrad_array *tetrahedra = tetrad_mesh_find(mesh, "exception_tetrahedra");
-    const tetrad_array *ratios = tetrad_mesh_find(mesh, "exception_radius_edge");
-    const uint64_t n = tetrahedra != NULL ? tetrahedra->shape[0] : 0;
-    const uint32_t *rows = indices(mesh, "exception_tetrahedra", n);
-    const uint32_t *segments = indices(mesh, "exception_segments", n);
-    json_t *list = json_array();
-    int failed = report == NULL || list == NULL;
-    for (uint64_t i = 0; i < n && rows != NULL && !failed; i++) {
-        json_t *segment =
-            segments != NULL ? segment_json(mesh, segments[i], first_index) : json_null();
-        failed = json_array_append_new(
-            list, json_pack("{s:I, s:o, s:o}", "tetrahedron", (json_int_t)rows[i] + first_index,
-                            "radius_edge", ratio_json(ratios, i), "segment", segment));
+    int failed = report == NULL;
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0] && !failed; i++) {
+        failed = set_list(report, mesh, &lists[i], first_index);
     }
     if (!failed) {
-        failed = json_object_set_new(report, "exceptions",
-                                     json_pack("{s:I, s:O}", "count", (json_int_t)n, "list", list));
-        failed |= renumber_worst(report, first_index);
+        failed = renumber_worst(report, first_index);
         failed |= json_object_set_new(report, "first_index", json_integer(first_index));
     }
-    json_decref(list);
     if (failed) {
         json_decref(report);
         return NULL;

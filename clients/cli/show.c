@@ -140,7 +140,7 @@ void show_summary(const json_t *report, const char *output) {
     const json_t *quality = json_object_get(report, "quality"), *stage;
     const json_t *promised = json_object_get(report, "promised");
     const double bound = json_number_value(json_object_get(promised, "radius_edge"));
-    const json_int_t exceptions = count_at(report, "exceptions", "count");
+    const double least = json_number_value(json_object_get(promised, "min_dihedral"));
     double seconds = 0;
     size_t i;
     json_array_foreach(json_object_get(report, "stages"), i, stage) {
@@ -152,10 +152,16 @@ void show_summary(const json_t *report, const char *output) {
            seconds);
     printf("  radius-edge   worst %.4g", number_at(quality, "radius_edge", "max"));
     if (bound > 0) {
-        printf(", bound %.4g, exceptions %" JSON_INTEGER_FORMAT, bound, exceptions);
+        printf(", bound %.4g, exceptions %" JSON_INTEGER_FORMAT, bound,
+               count_at(report, "exceptions", "count"));
     }
-    printf("\n  dihedral      %.4g to %.4g degrees\n", number_at(quality, "dihedral_min", "min"),
+    printf("\n  dihedral      %.4g to %.4g degrees", number_at(quality, "dihedral_min", "min"),
            number_at(quality, "dihedral_max", "max"));
+    if (least > 0) {
+        printf(", bound %.4g, slivers %" JSON_INTEGER_FORMAT, least,
+               count_at(report, "slivers", "count"));
+    }
+    putchar('\n');
     if (json_object_get(report, "voronoi") != NULL) {
         printf("  Voronoi       %" JSON_INTEGER_FORMAT " cells, %" JSON_INTEGER_FORMAT
                " edges, negative factors %" JSON_INTEGER_FORMAT "\n",

@@ -84,6 +84,7 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   ret_options->stage = stages[from->stage];
   ret_options->radius_edge = from->radius_edge;
   ret_options->max_volume = from->max_volume;
+  ret_options->min_dihedral = from->min_dihedral;
   ret_options->keep_hull = from->keep_hull;
   ret_options->planarity_tolerance = from->planarity_tolerance;
   ret_options->neighbours = from->neighbours;

@@ -50,6 +50,8 @@ static json_t *counts_json(const tet_mesh *m) {
   set_count(o, "refine_segment_points", c->refine_segment_points);
   set_count(o, "refine_facet_points", c->refine_facet_points);
   set_count(o, "refine_volume_points", c->refine_volume_points);
+  set_count(o, "first_slivers", c->first_slivers);
+  set_count(o, "sliver_points", c->sliver_points);
   set_count(o, "outside_tetrahedra", c->outside_tetrahedra);
   return o;
 }
@@ -78,6 +80,7 @@ static json_t *promised_json(const tet_promise *p) {
                         "region_volumes", p->region_volumes, "planarity", number(p->planarity));
   if (p->radius_edge > 0.0) json_object_set_new(o, "radius_edge", number(p->radius_edge));
   if (p->max_volume > 0.0) json_object_set_new(o, "max_volume", number(p->max_volume));
+  if (p->min_dihedral > 0.0) json_object_set_new(o, "min_dihedral", number(p->min_dihedral));
   return o;
 }
 
@@ -98,6 +101,7 @@ static json_t *audit_json(const tet_audit *a) {
   set_count(o, "subsegments_encroached", a->subsegments_encroached);
   set_count(o, "over_radius_edge", a->over_radius_edge);
   set_count(o, "over_volume", a->over_volume);
+  set_count(o, "under_dihedral", a->under_dihedral);
   set_count(o, "region_leaks", a->region_leaks);
   json_object_set_new(o, "passed", json_boolean(a->passed));
   return o;
@@ -127,11 +131,11 @@ static json_t *voronoi_json(const tet_mesh *m) {
 
 json_t *report_json(const tet_mesh *m, const tet_stage_report *encode) {
   const tet_report *r = &m->report;
-  json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:I}, s:o}", "stages", stages_json(r, encode),
+  json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:I}, s:{s:I}, s:o}", "stages", stages_json(r, encode),
                    "counts", counts_json(m), "quality", quality_json(&r->quality), "promised",
                    promised_json(&r->promised), "audit", audit_json(&r->audit), "rejected",
                    rejected_json(&r->rejected), "exceptions", "count", (json_int_t)m->n_exceptions,
-                   "peak_bytes", count(r->peak_bytes));
+                   "slivers", "count", (json_int_t)m->n_slivers, "peak_bytes", count(r->peak_bytes));
   if (r->voronoi.made) json_object_set_new(o, "voronoi", voronoi_json(m));
   return o;
 }

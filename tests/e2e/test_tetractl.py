@@ -3,7 +3,10 @@
 that `tetractl mesh` starts for itself."""
 
 import base64
+import itertools
 import json
+import math
+import operator
 import os
 import pathlib
 import pty
@@ -402,10 +405,15 @@ def test_quiet_is_silent_and_json_is_the_report(tmp_path, cube):
     assert kept["first_index"] == 0
 
 
-def test_exceptions_are_listed_with_their_sharp_segment(tmp_path):
-    wedge = tmp_path / "wedge.smesh"
-    wedge.write_text("6 3 0 0\n1 0 0 0\n2 0 1 0\n3 1 0 0\n4 1 1 0\n5 1 0 .02\n6 1 1 .02\n5 1\n"
-                     "4 1 3 4 2 1\n4 1 5 6 2 2\n3 1 3 5 3\n3 2 4 6 4\n4 3 4 6 5 5\n0\n0\n", encoding="ascii")
+@pytest.fixture(name="wedge")
+def fixture_wedge(tmp_path):
+    path = tmp_path / "wedge.smesh"
+    path.write_text("6 3 0 0\n1 0 0 0\n2 0 1 0\n3 1 0 0\n4 1 1 0\n5 1 0 .02\n6 1 1 .02\n5 1\n"
+                    "4 1 3 4 2 1\n4 1 5 6 2 2\n3 1 3 5 3\n3 2 4 6 4\n4 3 4 6 5 5\n0\n0\n", encoding="ascii")
+    return path
+
+
+def test_exceptions_are_listed_with_their_sharp_segment(tmp_path, wedge):
     out, report = tmp_path / "out.node", tmp_path / "r.json"
     done = tetractl("mesh", wedge, "-o", out, "--report", report, "--radius-edge", "1.2")
     assert done.returncode == 0, done.stderr
@@ -418,6 +426,67 @@ def test_exceptions_are_listed_with_their_sharp_segment(tmp_path):
         assert exception["radius_edge"] > 1.2
         assert 1 <= exception["tetrahedron"] <= len(tetrahedra)
         assert exception["segment"] is None or tuple(sorted(exception["segment"]["vertices"])) in ends
+
+
+def least_dihedral(corners):
+    """A tetrahedron's smallest dihedral angle, degrees."""
+    normals = []
+    for i in range(4):
+        a, b, c = (corners[j] for j in range(4) if j != i)
+        u, v, w = ([q - p for p, q in zip(a, other)] for other in (b, c, corners[i]))
+        n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+        outward = -math.copysign(math.hypot(*n), sum(map(operator.mul, n, w)))
+        normals.append([x / outward for x in n])
+    return math.degrees(math.acos(-min(sum(map(operator.mul, m, n)) for m, n in itertools.combinations(normals, 2))))
+
+
+def test_slivers_are_removed_unless_they_may_stay(tmp_path, cube):
+    said, least = {}, {}
+    for name, options in (("usual", []), ("bound", ["--bound-only"]), ("more", ["--min-dihedral", "12"])):
+        report = tmp_path / f"{name}.json"
+        done = tetractl("mesh", cube, "-o", tmp_path / f"{name}.node", "--max-volume", "2e-4", "--report", report,
+                        *options)
+        assert done.returncode == 0, done.stderr
+        assert (", slivers " in done.stdout) == (name != "bound")
+        said[name] = json.loads(report.read_text(encoding="utf-8"))
+        points = [tuple(map(float, p[:3])) for p in numbers(tmp_path / f"{name}.node")]
+        least[name] = [least_dihedral([points[int(v)] for v in t[:4]]) for t in numbers(tmp_path / f"{name}.ele")]
+        assert said[name]["audit"]["passed"] is True and said[name]["audit"]["under_dihedral"] == 0
+        assert min(least[name]) == pytest.approx(said[name]["quality"]["dihedral_min"]["min"])
+    assert said["usual"]["promised"]["min_dihedral"] == 5 and said["usual"]["slivers"] == {"count": 0, "list": []}
+    assert min(least["usual"]) >= 5
+    assert "min_dihedral" not in said["bound"]["promised"] and said["bound"]["counts"]["first_slivers"] == 0
+    slivers = sum(angle < 5 for angle in least["bound"])
+    assert slivers == said["usual"]["counts"]["first_slivers"] > 0
+    assert said["usual"]["counts"]["sliver_points"] > 0 == said["bound"]["counts"]["sliver_points"]
+    assert said["more"]["promised"]["min_dihedral"] == 12
+    assert sum(angle < 12 for angle in least["more"]) == said["more"]["slivers"]["count"]
+
+
+def test_slivers_that_stay_are_listed_with_their_sharp_segment(tmp_path, wedge):
+    out, report = tmp_path / "out.node", tmp_path / "r.json"
+    done = tetractl("mesh", wedge, "-o", out, "--report", report, "--min-dihedral", "20")
+    assert done.returncode == 0, done.stderr
+    listed = json.loads(report.read_text(encoding="utf-8"))["slivers"]
+    assert 0 < listed["count"] == len(listed["list"])
+    points = [None, *(tuple(map(float, p[:3])) for p in numbers(out))]
+    tetrahedra, edges = rows(out.with_suffix(".ele"))[1:], rows(out.with_suffix(".edge"))[1:]
+    ends = {tuple(sorted(int(v) for v in edge[1:3])) for edge in edges}
+    for sliver in listed["list"]:
+        corners = [points[int(v)] for v in tetrahedra[sliver["tetrahedron"] - 1][1:5]]
+        assert sliver["dihedral"] < 20 and sliver["dihedral"] == pytest.approx(least_dihedral(corners))
+        assert tuple(sorted(sliver["segment"]["vertices"])) in ends
+
+
+@pytest.mark.parametrize("wrong, told", [
+    (["--min-dihedral", "40"], "min_dihedral is no number from 0 to 30"), (["--min-dihedral", "-1"], "--min-dihedral"),
+    (["--min-dihedral", "5", "--bound-only"], "--bound-only"),
+    (["--stage", "cdt", "--min-dihedral", "5"], "--stage refine"),
+    (["--stage", "cdt", "--bound-only"], "--stage refine")])
+def test_wrong_bounds_of_dihedral_angles_end_with_2(tmp_path, cube, wrong, told):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", *wrong)
+    assert done.returncode == 2 and told in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
 
 
 def test_progress_is_drawn_on_a_terminal_alone(tmp_path, cube):

@@ -2,8 +2,8 @@
 /* meshpls.c: meshes a file with the engine alone, in this process.
  *
  *   meshpls INPUT(.node .poly .smesh .off) [PREFIX] [--stage delaunay|cdt|refine]
- *     [--radius-edge R] [--max-volume V] [--memory BYTES] [--deadline SECONDS]
- *     [--vertices N] [--tolerance T] [--keep-hull] [--hilbert]
+ *     [--radius-edge R] [--max-volume V] [--min-dihedral D] [--memory BYTES]
+ *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--keep-hull] [--hilbert]
  *
  * Writes PREFIX.node, .ele, .face and .edge, and one line of JSON on the standard
  * output. A developer's tool: files are believed, and people use tetractl. Exit status:
@@ -329,6 +329,8 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)r->peak_bytes);
   printf(",\"steiner\":%llu,\"cavities\":%llu,\"flips\":%llu,\"moves\":%llu", (unsigned long long)c->segment_steiner_points,
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
+  printf(",\"slivers\":%u,\"first_slivers\":%llu,\"sliver_points\":%llu", m->n_slivers,
+         (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points);
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
          (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
@@ -342,7 +344,8 @@ static void print_report(const job *j, const tet_mesh *m) {
       {"uncovered", a->uncovered}, {"reflex", a->reflex}, {"broken_segments", a->broken_segments},
       {"facet_slivers", a->facet_slivers},
       {"subfaces_encroached", a->subfaces_encroached}, {"subsegments_encroached", a->subsegments_encroached},
-      {"over_radius_edge", a->over_radius_edge}, {"over_volume", a->over_volume}, {"region_leaks", a->region_leaks}};
+      {"over_radius_edge", a->over_radius_edge}, {"over_volume", a->over_volume},
+      {"under_dihedral", a->under_dihedral}, {"region_leaks", a->region_leaks}};
   for (size_t i = 0; i < sizeof fault / sizeof *fault; i++)
     if (fault[i].n) printf(",\"%s\":%llu", fault[i].name, (unsigned long long)fault[i].n);
   printf("},\"stages\":{");
@@ -362,6 +365,7 @@ static int take_value(job *j, const char *name, const char *value) {
   if (strcmp(name, "--stage") == 0) j->options.stage = stage_of(value);
   else if (strcmp(name, "--radius-edge") == 0) j->options.radius_edge = atof(value);
   else if (strcmp(name, "--max-volume") == 0) j->options.max_volume = atof(value);
+  else if (strcmp(name, "--min-dihedral") == 0) j->options.min_dihedral = atof(value);
   else if (strcmp(name, "--tolerance") == 0) j->options.planarity_tolerance = atof(value);
   else if (strcmp(name, "--memory") == 0) j->limits.memory_bytes = strtoull(value, NULL, 10);
   else if (strcmp(name, "--vertices") == 0) j->limits.max_vertices = strtoull(value, NULL, 10);

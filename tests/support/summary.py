@@ -46,7 +46,7 @@ def main(path):
             print_histogram(title, report["quality"][key])
     print("\npromised: " + ", ".join(f"{k} {words(v)}" for k, v in report["promised"].items()))
     print("audit:    " + ", ".join(f"{k} {words(v)}" for k, v in report["audit"].items()))
-    print(f"tetrahedra listed as exceptions: {report['exceptions']['count']}")
+    print(f"tetrahedra listed as exceptions: {report['exceptions']['count']}, as slivers: {report['slivers']['count']}")
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_int_equal(options.stage, TP_STAGE_REFINE);
     assert_true(options.radius_edge == 2.0);
     assert_true(options.max_volume == 0.0);
+    assert_true(options.min_dihedral == 5.0);
     assert_false(options.keep_hull);
     assert_int_equal(options.voronoi, TP_VORONOI_NONE);
     assert_int_equal(options.point_order, TP_ORDER_HILBERT);
@@ -39,6 +40,10 @@ static void refusals_name_the_option(void **state) {
       {"{\"radius_edge\":true}", "options.radius_edge"},
       {"{\"max_volume\":0}", "options.max_volume"},
       {"{\"max_volume\":-1.0}", "options.max_volume"},
+      {"{\"min_dihedral\":-0.1}", "options.min_dihedral"},
+      {"{\"min_dihedral\":30.01}", "options.min_dihedral"},
+      {"{\"min_dihedral\":\"5\"}", "options.min_dihedral"},
+      {"{\"min_dihedral\":false}", "options.min_dihedral"},
       {"{\"keep_hull\":1}", "options.keep_hull"},
       {"{\"planarity_tolerance\":-1e-9}", "options.planarity_tolerance"},
       {"{\"seed\":-1}", "options.seed"},
@@ -55,6 +60,7 @@ static void refusals_name_the_option(void **state) {
       {"{\"stage\":\"cdt\",\"keep_hull\":true,\"voronoi\":\"diagram\"}", "options.voronoi"},
       {"{\"stage\":\"cdt\",\"radius_edge\":2}", "options.radius_edge"},
       {"{\"stage\":\"delaunay\",\"max_volume\":2}", "options.max_volume"},
+      {"{\"stage\":\"cdt\",\"min_dihedral\":0}", "options.min_dihedral"},
       {"[]", "options"},
       {"null", "options"},
   };
@@ -72,6 +78,7 @@ static void what_is_written_is_read(void **state) {
   const tp_options wanted = {.stage = TP_STAGE_REFINE,
                              .radius_edge = 1.414,
                              .max_volume = 0.1,
+                             .min_dihedral = 0.0,
                              .keep_hull = true,
                              .planarity_tolerance = 1e-6,
                              .seed = UINT64_C(1) << 53,
@@ -86,11 +93,11 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(json_object_size(json), 0);
   json_decref(json);
   json = tp_options_json(&wanted);
-  assert_int_equal(json_object_size(json), 10);
+  assert_int_equal(json_object_size(json), 11);
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&
-              read.max_volume == wanted.max_volume && read.keep_hull && read.neighbours &&
+              read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.keep_hull && read.neighbours &&
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
               read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
@@ -102,6 +109,8 @@ static void what_is_written_is_read(void **state) {
     json_decref(json);
     assert_int_equal(read.voronoi, voronoi);
   }
+  assert_int_equal(parse("{\"min_dihedral\":30}", &read, NULL), TP_OK);
+  assert_true(read.min_dihedral == 30.0);
   assert_int_equal(parse("{\"stage\":\"cdt\"}", &read, NULL), TP_OK);
   assert_int_equal(read.stage, TP_STAGE_CDT);
   assert_string_equal(tp_stage_name(TP_STAGE_DELAUNAY), "delaunay");

@@ -69,6 +69,8 @@ typedef struct tetrad_options {
     const char *stage;          /* "delaunay", "cdt", "refine" (default) */
     double radius_edge;         /* >= 1 */
     double max_volume;          /* > 0 */
+    double min_dihedral;        /* degrees, up to 30: below it are slivers, which are removed */
+    int bound_only;             /* slivers stay; not with min_dihedral */
     int keep_hull;              /* keep the convex hull */
     double planarity_tolerance; /* length */
     int neighbours;             /* deliver the array `neighbours` */

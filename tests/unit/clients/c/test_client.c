@@ -177,7 +177,11 @@ static void refuses_arguments_before_sending(void **state) {
     const tetrad_options wrong[] = {{.stage = "best"},   {.radius_edge = 0.5},
                                     {.max_volume = -1},  {.point_order = "random"},
                                     {.codec = "gzip"},   {.stage = "cdt", .radius_edge = 2},
-                                    {.planarity_tolerance = -1}};
+                                    {.planarity_tolerance = -1},
+                                    {.min_dihedral = 40},
+                                    {.min_dihedral = -1},
+                                    {.bound_only = 1, .min_dihedral = 5},
+                                    {.stage = "cdt", .bound_only = 1}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         assert_int_equal(submit_many(client, &wrong[i], job, &error), TETRAD_E_ARGUMENT);
         assert_string_not_equal(error.message, "");
