@@ -165,7 +165,8 @@ static tet_status copy_inside(tet_cavity *c) {
   return TET_OK;
 }
 
-/* Joins face `made` of a new tetrahedron to what is beyond the cavity's border h. */
+/* Joins face `made` of a new tetrahedron to what is beyond the cavity's border h: at a
+ * slit, to the crossed tetrahedron there until its own turn comes, which finds `made`. */
 static void join_border(tet_cavity *c, uint32_t made, uint32_t h) {
   tet_complex *m = &c->st->complex;
   uint32_t outside = m->adj[h];

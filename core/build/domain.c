@@ -101,22 +101,25 @@ static int holds(const tet_pieces *p, uint32_t t, const double *x, int *ret_face
   return 1;
 }
 
-/* The region (part - 1) that holds seed x; an error where none does or it lies on
- * a subface. */
+/* The region (part - 1) that holds seed x; an error where none does or it lies on the
+ * border of one. At an edge or a vertex several tetrahedra hold it, and each is asked. */
 static tet_status locate_seed(tet_ctx *ctx, const tet_pieces *p, const double *x, tet_offender_kind kind,
                               uint32_t index, uint32_t *ret_region) {
   const char *name = kind == TET_OFFENDER_HOLE ? "hole" : "region";
   tet_offence offence = {.kind = {kind, kind}, .index = {index, TET_NONE}, .place = {x[0], x[1], x[2]}};
   int faces = 0, on_facet = 0;
-  uint32_t t = 0;
-  while (t < p->n_tets && !holds(p, t, x, &faces)) t++;
-  for (int i = 0; t < p->n_tets && i < 4; i++) {
-    if (!(faces >> i & 1)) continue;
-    uint32_t g = p->adj[4 * (size_t)t + (size_t)i];
-    on_facet |= g == TET_NONE || p->region[g >> 2] != p->region[t];
+  uint32_t found = TET_NONE;
+  for (uint32_t t = 0; t < p->n_tets && !on_facet; t++) {
+    if (!holds(p, t, x, &faces)) continue;
+    found = t;
+    for (int i = 0; i < 4; i++) {
+      if (!(faces >> i & 1)) continue;
+      uint32_t g = p->adj[4 * (size_t)t + (size_t)i];
+      on_facet |= g == TET_NONE || p->region[g >> 2] != p->region[t];
+    }
   }
-  if (t < p->n_tets && !on_facet) {
-    *ret_region = p->region[t];
+  if (found != TET_NONE && !on_facet) {
+    *ret_region = p->region[found];
     return TET_OK;
   }
   tet_fail(ctx, TET_E_SEED, "the seed of %s %u at (%.17g, %.17g, %.17g) lies %s", name, index, x[0], x[1], x[2],

@@ -16,7 +16,7 @@ typedef struct tet_front {
 typedef struct tet_wrap {
   tet_ctx *ctx;
   const tet_points *points;
-  tet_front *front;        /* in: the polyhedron's faces; empty when done */
+  tet_front *front;        /* in: the polyhedron's faces, slits twice; empty when done */
   size_t n_front, cap_front;
   uint32_t *vertex;        /* in: its vertices */
   size_t n_vertex;
