@@ -18,6 +18,9 @@
 
 /* Segments are beside each other when the cosine between them is larger. */
 static const double BESIDE = 0.5;
+/* How far off level a point is put, as part of what would make the other point encroach: so
+ * level points are not cospherical, which rounding could not keep. */
+static const double OFF_LEVEL = 0.01;
 
 typedef struct recovery {
   tet_state *st;
@@ -180,22 +183,25 @@ static double acute_split(const double *end, const double *direction, double nea
 }
 
 /* The place on segment g level with Steiner point p of another segment that runs beside
- * it, as t; NaN where p is no such point. Level: in one plane across the bisector of the two
- * lines, which is the sphere of rule 2 where they share an end. So p is level with what is
- * level with it; by the other rules, each point of a bundle of close segments would
- * ask for one a little farther on the next. */
-static double level_place(const recovery *r, const tet_segment *g, uint32_t p) {
+ * it, as t, for a subsegment of it between lo and hi; NaN where p is no such point. Level: in
+ * one plane across the bisector of the two lines, which is the sphere of rule 2 where they
+ * share an end. So p is level with what is level with it; by the other rules, each point of a
+ * bundle of close segments would ask for one a little farther on the next. */
+static double level_place(const recovery *r, const tet_segment *g, double lo, double hi, uint32_t p) {
   const tet_state *st = r->st;
   if (p == TET_NONE || p < st->n_input) return NAN;
   const tet_segment *h = &st->surface.segment[st->steiner_segment[p - st->n_input]];
-  double u[3], w[3], to_p[3], across[3];
+  double u[3], w[3], to_p[3], across[3], apart = 0;
   tet_minus(at(r, g->b), at(r, g->a), u);
   tet_minus(at(r, h->b), at(r, h->a), w);
   tet_minus(at(r, p), at(r, g->a), to_p);
   double length = sqrt(tet_dot(u, u)), other = sqrt(tet_dot(w, w)), cosine = tet_dot(u, w) / (length * other);
   if (!(fabs(cosine) > BESIDE)) return NAN;
   for (int k = 0; k < 3; k++) across[k] = u[k] / length + (cosine < 0 ? -w[k] : w[k]) / other;
-  return tet_dot(to_p, across) / tet_dot(u, across);
+  double t = tet_dot(to_p, across) / tet_dot(u, across);
+  for (int k = 0; k < 3; k++) apart += (to_p[k] - t * u[k]) * (to_p[k] - t * u[k]);
+  double scatter = (double)(st->points.n * 2654435761u) * 0x1p-31 - 1; /* in [-1, 1), by the new vertex's number */
+  return t + scatter * OFF_LEVEL * apart / ((hi - lo) * length * length);
 }
 
 /* Where to split subsegment e for reference point p, as t on its segment. */
@@ -205,7 +211,7 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   uint32_t i = s->subseg[2 * (size_t)e], j = s->subseg[2 * (size_t)e + 1];
   double ti = parameter(r, g, i), tj = parameter(r, g, j), length = distance(at(r, g->a), at(r, g->b));
   double middle = ti + 0.5 * (tj - ti), t = middle;
-  double level = level_place(r, g, p);
+  double level = level_place(r, g, ti, tj, p);
   if (level > ti && level < tj) return level;
   if (p == TET_NONE || r->acute[e] == BOTH_ACUTE) return middle;
   if (r->acute[e] == TET_NONE) { /* rule 1 */

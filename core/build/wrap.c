@@ -73,7 +73,7 @@ static uint32_t apex_of(tet_wrap *w, const uint32_t f[3]) {
     }
     if (best == w->n_vertex) return TET_NONE;
     uint32_t t[4] = {f[0], f[1], f[2], w->vertex[best]};
-    if (fits(w, t)) return w->vertex[best];
+    if ((!w->may_be_made || w->may_be_made(w->user, t)) && fits(w, t)) return w->vertex[best];
     w->tried[best] = 1;
   }
 }
@@ -101,14 +101,16 @@ static tet_status close_or_open(tet_wrap *w, uint32_t k, uint32_t face, const ui
   return status;
 }
 
-tet_status tet_wrap_fill(tet_wrap *w) {
+tet_status tet_wrap_fill(tet_wrap *w, int *ret_filled) {
   tet_status status = tet_grow(w->ctx, &w->tried, &w->cap_tried, w->n_vertex, 1);
+  size_t n = w->n_vertex, most = 8 * (w->n_front + n) + n * n; /* a tetrahedralization has fewer */
   w->n_made = 0;
+  *ret_filled = 0;
   while (w->n_front && status == TET_OK) {
     uint32_t f[3], k = (uint32_t)w->n_made;
     memcpy(f, w->front[w->n_front - 1].v, sizeof f);
     uint32_t apex = apex_of(w, f);
-    if (apex == TET_NONE) return tet_internal(w->ctx, "a cavity's face has no apex");
+    if (apex == TET_NONE || w->n_made >= most) return TET_OK;
     status = tet_grow(w->ctx, &w->made, &w->cap_made, w->n_made + 1, sizeof *w->made);
     if (status == TET_OK) status = tet_grow(w->ctx, &w->link, &w->cap_link, w->n_made + 1, sizeof *w->link);
     if (status != TET_OK) break;
@@ -122,5 +124,6 @@ tet_status tet_wrap_fill(tet_wrap *w) {
     }
     if (status == TET_OK && (k & 15) == 0) status = tet_poll(w->ctx);
   }
+  *ret_filled = status == TET_OK;
   return status;
 }
