@@ -16,8 +16,15 @@
 
 enum { MOST_CAVITY = 600, MOST_TRIES = 24 };
 
+/* Subfaces xyd and xye are to become dex and dey: an edge flip inside a facet. */
+typedef struct edge_flip {
+  uint32_t x, y, d, e;
+} edge_flip;
+
 typedef struct refill {
   repair *r;
+  uint32_t number;       /* r->mark of its cavity's tetrahedra */
+  const edge_flip *flip; /* or NULL */
   tet_wrap wrap;
   uint32_t *cavity;   /* tetrahedra */
   size_t n_cavity, cap_cavity;
@@ -32,7 +39,7 @@ typedef struct refill {
   size_t cap_beyond, cap_tri;
 } refill;
 
-static int is_inside(const refill *f, uint32_t t) { return t < f->r->cap_mark && f->r->mark[t] == f->r->cavity; }
+static int is_inside(const refill *f, uint32_t t) { return t < f->r->cap_mark && f->r->mark[t] == f->number; }
 
 static tet_status enter(refill *f, uint32_t t) {
   repair *r = f->r;
@@ -41,7 +48,7 @@ static tet_status enter(refill *f, uint32_t t) {
   if (status != TET_OK) return status;
   memset(r->mark + from, 0, (r->cap_mark - from) * sizeof *r->mark);
   if (is_inside(f, t)) return TET_OK;
-  r->mark[t] = r->cavity;
+  r->mark[t] = f->number;
   return tet_push(r->ctx, &f->cavity, &f->n_cavity, &f->cap_cavity, t);
 }
 
@@ -67,6 +74,21 @@ static tet_status add_vertex(refill *f, uint32_t v) {
   return tet_push(f->r->ctx, &f->vertex, &f->n_vertex, &f->cap_vertex, v);
 }
 
+static int is_face(const uint32_t *v, uint32_t a, uint32_t b, uint32_t c) {
+  int n = 0;
+  for (int i = 0; i < 3; i++) n += v[i] == a || v[i] == b || v[i] == c;
+  return n == 3;
+}
+
+/* Replaces one of the two subfaces of a flip, seen from any side. */
+static void flip_face(const edge_flip *f, uint32_t v[3]) {
+  int first = is_face(v, f->x, f->y, f->d), second = is_face(v, f->x, f->y, f->e);
+  for (int i = 0; i < 3; i++) {
+    if (first && v[i] == f->y) v[i] = f->e;
+    else if (second && v[i] == f->x) v[i] = f->d;
+  }
+}
+
 /* The cavity's border and vertices, and the front to be wrapped. */
 static tet_status outline(refill *f) {
   repair *r = f->r;
@@ -88,6 +110,7 @@ static tet_status outline(refill *f) {
     const uint8_t *i = tet_face[f->border[k] & 3]; /* outward, so turned */
     const uint32_t *v = r->p->tets + (f->border[k] & ~(size_t)3);
     w->front[k] = (tet_front){.v = {v[i[2]], v[i[1]], v[i[0]]}, .tag = k};
+    if (f->flip && (*r->tri)[f->border[k]] != TET_NONE) flip_face(f->flip, w->front[k].v);
   }
   return TET_OK;
 }
@@ -209,38 +232,113 @@ static int may_be_made(const void *user, const uint32_t t[4]) {
   return tet_repair_may_be_made(user, t[0], t[1], t[2], t[3]);
 }
 
-/* Wraps and checks; *ret_done: it is in the mesh. Else the cavity has grown, if it can. */
-static tet_status try_once(refill *f, int *ret_done) {
+/* Wraps and checks; *ret_ready: it may be committed. Else the cavity has grown, if it can. */
+static tet_status try_once(refill *f, int *ret_ready) {
   size_t before = f->n_cavity;
-  int fits = 0, filled = 0;
+  int filled = 0;
   tet_status status = outline(f);
   if (status == TET_OK) status = tet_wrap_fill(&f->wrap, &filled);
   if (status != TET_OK) return status;
   if (filled && is_whole(f) && is_delaunay(f)) {
-    status = check_border(f, &fits);
-    if (status == TET_OK && fits) {
-      *ret_done = 1;
-      return commit(f);
-    }
-    if (status != TET_OK || f->n_cavity > before) return status;
+    status = check_border(f, ret_ready);
+    if (status != TET_OK || *ret_ready || f->n_cavity > before) return status;
   }
   return grow(f, before, 1);
 }
 
+static tet_status try_all(refill *f, int *ret_ready) {
+  tet_status status = TET_OK;
+  *ret_ready = 0;
+  for (int i = 0; i < MOST_TRIES && !*ret_ready && f->n_cavity <= MOST_CAVITY && status == TET_OK; i++) {
+    size_t before = f->n_cavity;
+    status = try_once(f, ret_ready);
+    if (f->n_cavity == before) break; /* all there is */
+  }
+  return status;
+}
+
+static refill begin(repair *r, const edge_flip *flip) {
+  return (refill){.r = r, .number = ++r->cavity, .flip = flip,
+                  .wrap = {.ctx = r->ctx, .points = &r->rounded, .may_be_made = may_be_made, .user = r}};
+}
+
+static void end(refill *f) {
+  void *all[] = {f->cavity, f->border, f->vertex, f->slot, f->beyond, f->tri};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(f->r->ctx, all[i]);
+  tet_wrap_free(&f->wrap);
+}
+
 tet_status tet_refill(repair *r, uint32_t t, int *ret_done) {
-  refill f = {.r = r, .wrap = {.ctx = r->ctx, .points = &r->rounded, .may_be_made = may_be_made, .user = r}};
+  refill f = begin(r, NULL);
+  *ret_done = 0;
+  tet_status status = enter(&f, t);
+  if (status == TET_OK) status = grow(&f, 1, 0);
+  if (status == TET_OK) status = try_all(&f, ret_done);
+  if (status == TET_OK && *ret_done) status = commit(&f);
+  end(&f);
+  return status;
+}
+
+/* The place in tetrahedron t of vertex v. */
+static uint32_t place(const repair *r, uint32_t t, uint32_t v) {
+  uint32_t i = 0;
+  while (r->p->tets[4 * (size_t)t + i] != v) i++;
+  return i;
+}
+
+/* Enters the tetrahedra round edge xy from face h (of one of them) on to the next wall. */
+static tet_status enter_round(refill *f, uint32_t h, uint32_t x, uint32_t y) {
+  const tet_pieces *p = f->r->p;
+  for (;;) {
+    uint32_t t = h >> 2, i = 0;
+    tet_status status = enter(f, t);
+    if (status != TET_OK) return status;
+    while (i == (h & 3) || p->tets[4 * (size_t)t + i] == x || p->tets[4 * (size_t)t + i] == y) i++;
+    if (is_wall(f->r, 4 * t + i)) return TET_OK;
+    h = p->adj[4 * (size_t)t + i];
+  }
+}
+
+/* Makes the edge flip: both sides of the facet are filled anew, or none. under: the handle
+ * beyond subface xyd, TET_NONE on the boundary. */
+static tet_status refill_sides(repair *r, const edge_flip *flip, uint32_t t, uint32_t under, int *ret_done) {
+  int ready = 0, ready_under = under == TET_NONE;
+  refill f = begin(r, flip), g = {.r = r};
+  tet_status status = enter(&f, t);
+  if (status == TET_OK) status = grow(&f, 1, 0);
+  if (status == TET_OK) status = try_all(&f, &ready);
+  if (status == TET_OK && ready && under != TET_NONE) {
+    g = begin(r, flip);
+    status = enter_round(&g, under, flip->x, flip->y);
+    if (status == TET_OK) status = try_all(&g, &ready_under);
+    for (size_t k = 0; k < f.n_cavity; k++) ready_under &= !is_inside(&g, f.cavity[k]); /* round the facet's rim */
+  }
+  *ret_done = ready && ready_under;
+  if (status == TET_OK && *ret_done && under != TET_NONE) status = commit(&g);
+  if (status == TET_OK && *ret_done) status = commit(&f);
+  end(&f);
+  end(&g);
+  return status;
+}
+
+tet_status tet_refill_facet(repair *r, uint32_t h, int *ret_done) {
+  const tet_pieces *p = r->p;
+  uint32_t t = h >> 2, o = p->adj[h] >> 2;
   tet_status status = TET_OK;
   *ret_done = 0;
-  r->cavity++;
-  status = enter(&f, t);
-  if (status == TET_OK) status = grow(&f, 1, 0);
-  for (int i = 0; i < MOST_TRIES && !*ret_done && f.n_cavity <= MOST_CAVITY && status == TET_OK; i++) {
-    size_t before = f.n_cavity;
-    status = try_once(&f, ret_done);
-    if (f.n_cavity == before) break; /* all there is */
+  for (int k = 0; k < 3 && !*ret_done && status == TET_OK; k++) {
+    const uint8_t *i = tet_face[h & 3];
+    uint32_t z = p->tets[4 * (size_t)t + i[k]];
+    edge_flip flip = {p->tets[4 * (size_t)t + i[(k + 1) % 3]], p->tets[4 * (size_t)t + i[(k + 2) % 3]], p->tets[h],
+                      p->tets[p->adj[h]]};
+    uint32_t a = 4 * t + i[k], b = 4 * o + place(r, o, z), on_a = (*r->tri)[a], on_b = (*r->tri)[b];
+    if (on_a == TET_NONE || on_b == TET_NONE || r->surface->tri_patch[on_a] != r->surface->tri_patch[on_b]) continue;
+    if (tet_edge_map_get(&r->subsegs, flip.x, flip.y) != TET_NONE) continue;
+    int side = tet_orient3d(&r->exact, flip.x, flip.y, flip.d, z); /* the quadrangle is convex, exactly */
+    if (!side || tet_orient3d(&r->exact, flip.x, flip.e, flip.d, z) != side ||
+        tet_orient3d(&r->exact, flip.e, flip.y, flip.d, z) != side)
+      continue;
+    status = refill_sides(r, &flip, t, p->adj[a], ret_done);
   }
-  tet_wrap_free(&f.wrap);
-  void *all[] = {f.cavity, f.border, f.vertex, f.slot, f.beyond, f.tri};
-  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
   return status;
 }

@@ -32,6 +32,9 @@ static int on_patch(const repair *r, uint32_t v, uint32_t patch) {
 int tet_repair_may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   if (tet_orient3d_xyz(repair_at(r, a), repair_at(r, b), repair_at(r, c), repair_at(r, d)) <= 0) return 0;
   if (tet_orient3d(&r->exact, a, b, c, d) != 0) return 1;
+  if (tet_collinear(&r->exact, a, b, c) || tet_collinear(&r->exact, a, b, d) || tet_collinear(&r->exact, a, c, d) ||
+      tet_collinear(&r->exact, b, c, d))
+    return 0;
   for (uint32_t i = r->patch_start[a]; i < r->patch_start[a + 1]; i++)
     if (on_patch(r, b, r->patches[i]) && on_patch(r, c, r->patches[i]) && on_patch(r, d, r->patches[i])) return 0;
   return 1;
@@ -219,6 +222,7 @@ static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, in
     uint32_t x = v[k], y = v[(k + 1) % 3];
     if (tet_repair_may_be_made(r, d, x, y, e) || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
     if (f.in_facet && surface->tri_patch[f.facet_tri[0]] != surface->tri_patch[f.facet_tri[1]]) continue;
+    if (f.in_facet && (tet_collinear(&r->exact, d, e, x) || tet_collinear(&r->exact, d, e, y))) continue;
     *ret_done = all_may_be_made(r, &f) && (f.n_old == 3 || stays_flipped(r, &f));
   }
   return *ret_done ? apply(r, &f) : TET_OK;
@@ -287,7 +291,10 @@ static tet_status mend(repair *r, uint32_t t, int *ret_done) {
   *ret_done = 0;
   for (uint32_t k = 0; k < n && !*ret_done && status == TET_OK; k++)
     if (near[k] >= r->exact.first_implicit) status = tet_shift(r, near[k], ret_done);
-  return status == TET_OK && !*ret_done ? tet_refill(r, t, ret_done) : status;
+  if (status == TET_OK && !*ret_done) status = tet_refill(r, t, ret_done);
+  for (uint32_t i = 0; i < 4 && !*ret_done && status == TET_OK; i++)
+    if (tet_repair_is_bad_face(r, 4 * t + i, ok)) status = tet_refill_facet(r, 4 * t + i, ret_done);
+  return status;
 }
 
 /* Where flips stick. Each shift and each refill leaves fewer bad faces. */

@@ -32,8 +32,8 @@ static inline const double *repair_at(const repair *r, uint32_t v) { return r->p
 /* Flips and refills leave gaps among the tetrahedra. */
 static inline int repair_is_dead(const repair *r, uint32_t t) { return r->p->tets[4 * (size_t)t] == TET_NONE; }
 
-/* 1: abcd is positive as rounded, and its vertices are not all on one patch: those
- * are coplanar, whatever rounding made of them. */
+/* 1: abcd is positive as rounded, and neither are its vertices all on one patch nor three of
+ * them on one line: those are coplanar, whatever rounding made of them. */
 int tet_repair_may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
 
 /* 1: t is positive as rounded. */
@@ -57,5 +57,9 @@ tet_status tet_shift(repair *r, uint32_t v, int *ret_done);
  * Delaunay tetrahedralization of the place, as rounded (wrap.h). *ret_done: 1 if it
  * did; then nothing made is bad, nor any face on the border. */
 tet_status tet_refill(repair *r, uint32_t t, int *ret_done);
+
+/* The same at bad face h, with one of its edges that is inside a facet flipped there, which
+ * fills the places on both sides of the facet anew. */
+tet_status tet_refill_facet(repair *r, uint32_t h, int *ret_done);
 
 #endif

@@ -21,6 +21,9 @@ static const double BESIDE = 0.5;
 /* How far off level a point is put, as part of what would make the other point encroach: so
  * level points are not cospherical, which rounding could not keep. */
 static const double OFF_LEVEL = 0.01;
+/* Nearer to an end of the subsegment than this part of the distance to the other point, a level
+ * point would be of no use. */
+static const double NEAR_END = 0.1;
 
 typedef struct recovery {
   tet_state *st;
@@ -186,7 +189,8 @@ static double acute_split(const double *end, const double *direction, double nea
  * it, as t, for a subsegment of it between lo and hi; NaN where p is no such point. Level: in
  * one plane across the bisector of the two lines, which is the sphere of rule 2 where they
  * share an end. So p is level with what is level with it; by the other rules, each point of a
- * bundle of close segments would ask for one a little farther on the next. */
+ * bundle of close segments would ask for one a little farther on the next. Where there is a
+ * vertex level with p already, lines that cross beyond it are the reason: the middle. */
 static double level_place(const recovery *r, const tet_segment *g, double lo, double hi, uint32_t p) {
   const tet_state *st = r->st;
   if (p == TET_NONE || p < st->n_input) return NAN;
@@ -200,8 +204,10 @@ static double level_place(const recovery *r, const tet_segment *g, double lo, do
   for (int k = 0; k < 3; k++) across[k] = u[k] / length + (cosine < 0 ? -w[k] : w[k]) / other;
   double t = tet_dot(to_p, across) / tet_dot(u, across);
   for (int k = 0; k < 3; k++) apart += (to_p[k] - t * u[k]) * (to_p[k] - t * u[k]);
+  apart = sqrt(apart) / length;
+  if (fmin(t - lo, hi - t) < NEAR_END * apart) return t > lo && t < hi ? 0.5 * (lo + hi) : NAN;
   double scatter = (double)(st->points.n * 2654435761u) * 0x1p-31 - 1; /* in [-1, 1), by the new vertex's number */
-  return t + scatter * OFF_LEVEL * apart / ((hi - lo) * length * length);
+  return t + scatter * OFF_LEVEL * apart * apart / (hi - lo);
 }
 
 /* Where to split subsegment e for reference point p, as t on its segment. */

@@ -71,7 +71,7 @@ tet_status tet_shift(repair *r, uint32_t v, int *ret_done) {
   gap_around(r, v, &lo, &hi);
   uint32_t before = count_bad(r, v, UINT32_MAX);
   double gap = hi - from < from - lo ? hi - from : from - lo;
-  for (double share = 0x1p-48; share < 0.5; share *= 8)
+  for (double share = 0x1p-52; share < 0.5; share *= 2)
     for (int side = -1; side <= 1; side += 2) {
       if (!put(r, v, from + side * share * gap) || count_bad(r, v, before) == before) continue;
       *ret_done = 1;
