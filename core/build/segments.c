@@ -20,7 +20,9 @@
 static const double BESIDE = 0.5;
 /* How far off level a point is put, as part of what would make the other point encroach: so
  * level points are not cospherical, which rounding could not keep. */
-static const double OFF_LEVEL = 0.01;
+static const double OFF_LEVEL = 0.05;
+/* Nearer to an end than this part of the largest coordinate, a point would be noise. */
+static const double LEAST = 0x1p-36;
 /* Nearer to an end of the subsegment than this part of the distance to the other point, a level
  * point would be of no use. */
 static const double NEAR_END = 0.1;
@@ -210,29 +212,32 @@ static double level_place(const recovery *r, const tet_segment *g, double lo, do
   return t + scatter * OFF_LEVEL * apart * apart / (hi - lo);
 }
 
+/* The place by the rules of 5.3.1 on subsegment e between ti and tj of segment g. */
+static double ruled_place(const recovery *r, uint32_t e, const tet_segment *g, double ti, double tj, uint32_t p) {
+  double length = distance(at(r, g->a), at(r, g->b));
+  if (r->acute[e] == TET_NONE) { /* rule 1 */
+    const uint32_t *v = r->st->surface.subseg + 2 * (size_t)e;
+    double half = 0.5 * (tj - ti) * length, di = distance(at(r, v[0]), at(r, p)), dj = distance(at(r, v[1]), at(r, p));
+    return di < half ? ti + di / length : dj < half ? tj - dj / length : 0.5 * (ti + tj);
+  }
+  int back = r->acute[e] == g->b;
+  const double *end = at(r, back ? g->b : g->a), *other = at(r, back ? g->a : g->b);
+  double direction[3], near = back ? 1 - tj : ti, far = back ? 1 - ti : tj;
+  for (int k = 0; k < 3; k++) direction[k] = (other[k] - end[k]) / length;
+  double u = acute_split(end, direction, near * length, far * length, at(r, p)) / length;
+  return back ? 1 - u : u;
+}
+
 /* Where to split subsegment e for reference point p, as t on its segment. */
 static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   const tet_surface *s = &r->st->surface;
   const tet_segment *g = &s->segment[s->subseg_segment[e]];
-  uint32_t i = s->subseg[2 * (size_t)e], j = s->subseg[2 * (size_t)e + 1];
-  double ti = parameter(r, g, i), tj = parameter(r, g, j), length = distance(at(r, g->a), at(r, g->b));
-  double middle = ti + 0.5 * (tj - ti), t = middle;
-  double level = level_place(r, g, ti, tj, p);
-  if (level > ti && level < tj) return level;
-  if (p == TET_NONE || r->acute[e] == BOTH_ACUTE) return middle;
-  if (r->acute[e] == TET_NONE) { /* rule 1 */
-    double half = 0.5 * (tj - ti) * length, di = distance(at(r, i), at(r, p)), dj = distance(at(r, j), at(r, p));
-    if (di < half) t = ti + di / length;
-    else if (dj < half) t = tj - dj / length;
-  } else {
-    int back = r->acute[e] == g->b;
-    const double *end = at(r, back ? g->b : g->a), *other = at(r, back ? g->a : g->b);
-    double direction[3], near = back ? 1 - tj : ti, far = back ? 1 - ti : tj;
-    for (int k = 0; k < 3; k++) direction[k] = (other[k] - end[k]) / length;
-    double u = acute_split(end, direction, near * length, far * length, at(r, p)) / length;
-    t = back ? 1 - u : u;
-  }
-  return t > ti && t < tj ? t : middle;
+  const uint32_t *v = s->subseg + 2 * (size_t)e;
+  double ti = parameter(r, g, v[0]), tj = parameter(r, g, v[1]), middle = ti + 0.5 * (tj - ti);
+  double t = level_place(r, g, ti, tj, p), length = distance(at(r, g->a), at(r, g->b));
+  double least = LEAST * r->st->points.max_abs / length;
+  if (!(t > ti && t < tj)) t = p == TET_NONE || r->acute[e] == BOTH_ACUTE ? middle : ruled_place(r, e, g, ti, tj, p);
+  return t - ti > least && tj - t > least ? t : middle;
 }
 
 static tet_status too_short(recovery *r, uint32_t e) {

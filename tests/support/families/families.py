@@ -101,7 +101,7 @@ def interfaces_kuhn(rng):
 @family
 def interfaces_jittered(rng):
     n, cells = kuhn(rng)
-    return materials(rng, complexes.jitter(rng, cells, n, (1.0, 1.0, 1.0), 10 ** rng.uniform(-16, 0)))
+    return materials(rng, complexes.jitter(rng, cells, n, (1.0, 1.0, 1.0), 10 ** rng.uniform(-12, 0)))
 
 
 @family
@@ -312,7 +312,8 @@ def needles(rng):
             holes += complexes.size_of(pls.points, cell)
         elif kind == 2:
             pls.regions.append((*seed, i + 2))
-    if rng.random() < 0.2 and tip is None and len(pls.facets) >= 4:  # the first one alone
+    alone = rng.random() < 0.2 and tip is None and len(pls.facets) >= 4
+    if alone and math.dist(*(pls.points[v] for v in pls.facets[0].polygons[0][:2])) > 1e-3:  # the first one alone
         pls.facets, pls.holes, pls.regions, pls.shell = pls.facets[:4], [], [], True
         complexes.drop_unused(pls)
         return pls
@@ -503,7 +504,7 @@ def loose(rng):
                 p[axis] = wall
             trial = drawn + [ends]
             points = [p for part in trial for p in part]
-            if not apart(points, trial):
+            if ends[0] == ends[-1] and len(ends) == 2 or not apart(points, trial):
                 continue
             drawn.append(ends)
             numbers = [pls.add_point(*p) for p in ends]
