@@ -23,6 +23,10 @@ static const double BESIDE = 0.5;
 static const double OFF_LEVEL = 0.05;
 /* Nearer to an end than this part of the largest coordinate, a point would be noise. */
 static const double LEAST = 0x1p-36;
+/* How far off every point is put where rounding failed, as part of the way to an end, and how
+ * much farther every other time: the ties of a symmetric input are gone then, and that
+ * points stand beside each other is not. */
+static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
 /* Nearer to an end of the subsegment than this part of the distance to the other point, a level
  * point would be of no use. */
 static const double NEAR_END = 0.1;
@@ -187,6 +191,11 @@ static double acute_split(const double *end, const double *direction, double nea
   return 0.5 * (near + far);
 }
 
+/* In [-1, 1), by the number of the vertex to come. */
+static double scatter(const recovery *r) {
+  return (double)((r->st->points.n + 0x9E3779B9u * r->st->attempt) * 2654435761u) * 0x1p-31 - 1;
+}
+
 /* The place on segment g level with Steiner point p of another segment that runs beside
  * it, as t, for a subsegment of it between lo and hi; NaN where p is no such point. Level: in
  * one plane across the bisector of the two lines, which is the sphere of rule 2 where they
@@ -208,8 +217,7 @@ static double level_place(const recovery *r, const tet_segment *g, double lo, do
   for (int k = 0; k < 3; k++) apart += (to_p[k] - t * u[k]) * (to_p[k] - t * u[k]);
   apart = sqrt(apart) / length;
   if (fmin(t - lo, hi - t) < NEAR_END * apart) return t > lo && t < hi ? 0.5 * (lo + hi) : NAN;
-  double scatter = (double)(st->points.n * 2654435761u) * 0x1p-31 - 1; /* in [-1, 1), by the new vertex's number */
-  return t + scatter * OFF_LEVEL * apart * apart / (hi - lo);
+  return t + scatter(r) * OFF_LEVEL * apart * apart / (hi - lo);
 }
 
 /* The place by the rules of 5.3.1 on subsegment e between ti and tj of segment g. */
@@ -237,7 +245,10 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   double t = level_place(r, g, ti, tj, p), length = distance(at(r, g->a), at(r, g->b));
   double least = LEAST * r->st->points.max_abs / length;
   if (!(t > ti && t < tj)) t = p == TET_NONE || r->acute[e] == BOTH_ACUTE ? middle : ruled_place(r, e, g, ti, tj, p);
-  return t - ti > least && tj - t > least ? t : middle;
+  if (!(t - ti > least && tj - t > least)) t = middle;
+  double off = r->st->attempt ? ELSEWHERE * scatter(r) * fmin(t - ti, tj - t) : 0;
+  for (uint32_t k = 1; k < r->st->attempt; k++) off *= FARTHER;
+  return t + off;
 }
 
 static tet_status too_short(recovery *r, uint32_t e) {

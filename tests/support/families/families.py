@@ -104,14 +104,23 @@ def interfaces_jittered(rng):
     return materials(rng, complexes.jitter(rng, cells, n, (1.0, 1.0, 1.0), 10 ** rng.uniform(-12, 0)))
 
 
-@family
-def interfaces_sheared(rng):
+def sheared(rng, shares):
     """Kuhn grids sheared by more than their size, exactly or with rounding, and squeezed."""
     _, cells = kuhn(rng)
     a, b = (rng.choice((k / 8, 3.0, rng.uniform(-4, 4))) for k in (3, 5))
     cells = moved(cells, lambda p: (p[0] + a * p[2], p[1] + b * p[2], p[2]))
-    cells = squeeze(rng, cells, rng.choice((1, 0.25, 0.1, 1e-3, 1e-5)))
+    cells = squeeze(rng, cells, rng.choice(shares))
     return materials(rng, cells) if complexes.is_valid(cells) else None
+
+
+@family
+def interfaces_sheared(rng):
+    return sheared(rng, (1, 0.25, 0.1))
+
+
+@family
+def interfaces_flattened(rng):
+    return sheared(rng, (1e-3, 1e-5))
 
 
 @family
