@@ -14,7 +14,7 @@
 #include "build/wrap.h"
 #include "exact/predicates.h"
 
-enum { MOST_CAVITY = 160, MOST_TRIES = 10 };
+enum { MOST_CAVITY = 64, MOST_TRIES = 4 };
 
 /* Subfaces xyd and xye are to become dex and dey: an edge flip inside a facet. */
 typedef struct edge_flip {
