@@ -14,7 +14,7 @@
  * box's diagonal are broken up; a build is begun again for them so many times, and
  * where rounding fails, with other Steiner points. */
 static const double THIN = 2e-9;
-enum { MOST_ROUNDS = 4, MOST_ATTEMPTS = 6 };
+enum { MOST_ROUNDS = 4, MOST_ATTEMPTS = 8 };
 
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
   tet_pieces_free(ctx, &r->pieces);
@@ -204,24 +204,39 @@ static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_o
   return status;
 }
 
+static tet_status copy_breaks(tet_ctx *ctx, const tet_breaks *from, tet_breaks *to) {
+  tet_status status = tet_grow(ctx, &to->at, &to->cap, from->n, sizeof *to->at);
+  if (status == TET_OK && from->n) memcpy(to->at, from->at, from->n * sizeof *to->at);
+  to->n = from->n;
+  return status;
+}
+
 /* Builds with Steiner points where the attempt says, again as long as there are thin
- * tetrahedra, if they are to be broken up. */
+ * tetrahedra. Where rounding fails in a later round, those of the round before stay: better
+ * thin tetrahedra than none. */
 static tet_status build_rounds(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options, uint32_t attempt,
-                               int break_thin, tet_build_result *ret) {
-  tet_breaks breaks = {NULL, 0, 0};
+                               tet_build_result *ret) {
+  tet_breaks breaks = {NULL, 0, 0}, before = {NULL, 0, 0}, tried = {NULL, 0, 0};
   size_t thin = 1;
   tet_status status = TET_OK;
-  for (int round = break_thin ? 1 : MOST_ROUNDS; thin && round <= MOST_ROUNDS && status == TET_OK; round++)
-    status = build_once(ctx, pls, options, &breaks, attempt, round < MOST_ROUNDS ? THIN : 0, ret, &thin);
+  for (int round = 1; thin && round <= MOST_ROUNDS && status == TET_OK; round++) {
+    status = copy_breaks(ctx, &tried, &before);
+    if (status == TET_OK) status = copy_breaks(ctx, &breaks, &tried);
+    if (status == TET_OK)
+      status = build_once(ctx, pls, options, &breaks, attempt, round < MOST_ROUNDS ? THIN : 0, ret, &thin);
+    if (status != TET_E_ROUNDING || round == 1) continue;
+    status = build_once(ctx, pls, options, &before, attempt, 0, ret, &thin);
+  }
   tet_free(ctx, breaks.at);
+  tet_free(ctx, before.at);
+  tet_free(ctx, tried.at);
   return status;
 }
 
 tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
                      tet_build_result *ret) {
   tet_status status = TET_E_ROUNDING;
-  for (int break_thin = 1; break_thin >= 0; break_thin--) /* better thin tetrahedra than none */
-    for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS && status == TET_E_ROUNDING; attempt++)
-      status = build_rounds(ctx, pls, options, attempt, break_thin, ret);
+  for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS && status == TET_E_ROUNDING; attempt++)
+    status = build_rounds(ctx, pls, options, attempt, ret);
   return status;
 }

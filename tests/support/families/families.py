@@ -85,9 +85,9 @@ def interfaces_shifted(rng):
     return pls
 
 
-def kuhn(rng):
+def kuhn(rng, most=27):
     n = [rng.randrange(1, 5) for _ in range(3)]
-    while n[0] * n[1] * n[2] > 27:
+    while n[0] * n[1] * n[2] > most:
         n[rng.randrange(3)] = 1
     return n, complexes.kuhn_grid(n, (1.0, 1.0, 1.0))
 
@@ -104,9 +104,9 @@ def interfaces_jittered(rng):
     return materials(rng, complexes.jitter(rng, cells, n, (1.0, 1.0, 1.0), 10 ** rng.uniform(-12, 0)))
 
 
-def sheared(rng, shares):
+def sheared(rng, shares, most):
     """Kuhn grids sheared by more than their size, exactly or with rounding, and squeezed."""
-    _, cells = kuhn(rng)
+    _, cells = kuhn(rng, most)
     a, b = (rng.choice((k / 8, 3.0, rng.uniform(-4, 4))) for k in (3, 5))
     cells = moved(cells, lambda p: (p[0] + a * p[2], p[1] + b * p[2], p[2]))
     cells = squeeze(rng, cells, rng.choice(shares))
@@ -115,12 +115,12 @@ def sheared(rng, shares):
 
 @family
 def interfaces_sheared(rng):
-    return sheared(rng, (1, 0.25, 0.1))
+    return sheared(rng, (1, 0.25, 0.1), 27)
 
 
 @family
 def interfaces_flattened(rng):
-    return sheared(rng, (1e-3, 1e-5))
+    return sheared(rng, (1e-3, 1e-5), 8)
 
 
 @family
