@@ -165,8 +165,8 @@ def components(cells, borders, labels):
     return [-1 if root(c) == root(len(cells)) else root(c) for c in range(len(cells))]
 
 
-def seed_inside(x, cell, points):
-    """A double inside the cell, or None: x are its vertices as integers beside 0."""
+def seed_inside(cell, points):
+    """A point of doubles strictly inside the cell, or None."""
     middle = tuple(sum(points[v][k] for v in cell) / len(cell) for k in range(3))
     *corners, m = exact.scaled([points[v] for v in cell] + [middle])
     if len(cell) == 8:
@@ -207,7 +207,7 @@ def interfaces(rng, complex_, labels, keep_unused=False, seeded=0.5, split_quads
     pls.volume = sum(s for s, label in zip(sizes, labels) if label != OUTSIDE)
     for number in sorted(set(part) - {-1}):
         biggest = max((c for c in range(len(part)) if part[c] == number), key=lambda c: sizes[c])
-        seed = seed_inside(None, complex_.cells[biggest], pls.points)
+        seed = seed_inside(complex_.cells[biggest], pls.points)
         hole = labels[biggest] == OUTSIDE
         if seed is None and hole:
             return None

@@ -178,10 +178,9 @@ def boxes_touching(rng):
     is a polygon of its facet, or a hole of it that joins the two."""
     pls = Pls()
     high = (4.0, 4.0, 4.0)
-    v = pls.add_box((0.0, 0.0, 0.0), high, marker=1)
+    pls.add_box((0.0, 0.0, 0.0), high, marker=1)
     facet_of = list(range(6))
     pls.volume = 64.0
-    del v
     for side in sorted(rng.sample(range(6), rng.randrange(1, 5))):
         axis, up = side // 2, side % 2
         inwards = rng.random() < 0.5
@@ -314,7 +313,7 @@ def needles(rng):
         for f in faces:
             pls.add_facet(f, marker=100 + i)
         cell = (a, b, c, d) if exact.orient(x[a], x[b], x[c], x[d]) > 0 else (b, a, c, d)
-        seed = complexes.seed_inside(None, cell, pls.points)
+        seed = complexes.seed_inside(cell, pls.points)
         kind = rng.randrange(3) if seed else 0
         if kind == 1:
             pls.holes.append(seed)
@@ -335,13 +334,7 @@ def needles(rng):
 
 def clean(pls):
     """Whether nothing clashes: for facets that are convex polygons, each with its own plane."""
-    fans = {}
-    for f, facet in enumerate(pls.facets):
-        for p in facet.polygons:
-            for i in range(1, len(p) - 1):
-                fans[(p[0], p[i], p[i + 1])] = f
-    found = exact.clash(exact.scaled(pls.points), pls.simplices())
-    return found is None
+    return exact.clash(exact.scaled(pls.points), pls.simplices()) is None
 
 
 @family
@@ -501,8 +494,7 @@ def line_and_circle(rng):
 def loose(rng):
     """Segments and points in the facets of a box, on them, and in the volume."""
     pls = Pls()
-    v = pls.add_box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    del v
+    pls.add_box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     pls.volume = 1.0
     for side in range(6):
         axis, wall = side // 2, float(side % 2)
