@@ -11,9 +11,10 @@
 #include "build/state.h"
 
 /* Tetrahedra between nearly coplanar facets that are flatter than this part of the
- * box's diagonal are broken up; a build is begun again for them so many times. */
+ * box's diagonal are broken up; a build is begun again for them so many times, and
+ * where rounding fails, with other Steiner points. */
 static const double THIN = 2e-9;
-enum { MOST_ROUNDS = 4 };
+enum { MOST_ROUNDS = 4, MOST_ATTEMPTS = 8 };
 
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
   tet_pieces_free(ctx, &r->pieces);
@@ -158,6 +159,7 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
   tet_stage_begin(st->ctx, "surface");
   tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, &st->surface);
   if (status != TET_OK) return status;
+  if ((status = tet_check_seeds(st)) != TET_OK) return status;
   count_surface(st, r);
   tet_stage_counts(st->ctx, st->n_input, 0);
   st->complex.is_canonical = 1; /* what follows walks in the order of the slots */
@@ -179,12 +181,13 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
 
 /* One build from the start; *ret_thin as in find_domain. */
 static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options, tet_breaks *breaks,
-                             double thin, tet_build_result *ret, size_t *ret_thin) {
+                             uint32_t attempt, double thin, tet_build_result *ret, size_t *ret_thin) {
   tet_state st;
   tet_build_result r;
   memset(&r, 0, sizeof r);
   *ret_thin = 0;
   tet_status status = init_state(&st, ctx, pls);
+  st.attempt = attempt;
   if (status == TET_OK) {
     r.same_as = tet_alloc(ctx, pls->n_points, sizeof *r.same_as);
     status = r.same_as ? TET_OK : tet_ctx_error(ctx)->status;
@@ -201,17 +204,39 @@ static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_o
   return status;
 }
 
-tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
-                     tet_build_result *ret) {
-  tet_breaks breaks = {NULL, 0, 0};
+static tet_status copy_breaks(tet_ctx *ctx, const tet_breaks *from, tet_breaks *to) {
+  tet_status status = tet_grow(ctx, &to->at, &to->cap, from->n, sizeof *to->at);
+  if (status == TET_OK && from->n) memcpy(to->at, from->at, from->n * sizeof *to->at);
+  to->n = from->n;
+  return status;
+}
+
+/* Builds with Steiner points where the attempt says, again as long as there are thin
+ * tetrahedra. Where rounding fails in a later round, those of the round before stay: better
+ * thin tetrahedra than none. */
+static tet_status build_rounds(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options, uint32_t attempt,
+                               tet_build_result *ret) {
+  tet_breaks breaks = {NULL, 0, 0}, before = {NULL, 0, 0}, tried = {NULL, 0, 0};
   size_t thin = 1;
   tet_status status = TET_OK;
-  for (int round = 0; thin && round < MOST_ROUNDS && status == TET_OK; round++)
-    status = build_once(ctx, pls, options, &breaks, round + 1 < MOST_ROUNDS ? THIN : 0, ret, &thin);
-  if (status == TET_E_ROUNDING && breaks.n) { /* better thin tetrahedra than none */
-    breaks.n = 0;
-    status = build_once(ctx, pls, options, &breaks, 0, ret, &thin);
+  for (int round = 1; thin && round <= MOST_ROUNDS && status == TET_OK; round++) {
+    status = copy_breaks(ctx, &tried, &before);
+    if (status == TET_OK) status = copy_breaks(ctx, &breaks, &tried);
+    if (status == TET_OK)
+      status = build_once(ctx, pls, options, &breaks, attempt, round < MOST_ROUNDS ? THIN : 0, ret, &thin);
+    if (status != TET_E_ROUNDING || round == 1) continue;
+    status = build_once(ctx, pls, options, &before, attempt, 0, ret, &thin);
   }
   tet_free(ctx, breaks.at);
+  tet_free(ctx, before.at);
+  tet_free(ctx, tried.at);
+  return status;
+}
+
+tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
+                     tet_build_result *ret) {
+  tet_status status = TET_E_ROUNDING;
+  for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS && status == TET_E_ROUNDING; attempt++)
+    status = build_rounds(ctx, pls, options, attempt, ret);
   return status;
 }

@@ -165,7 +165,8 @@ static tet_status copy_inside(tet_cavity *c) {
   return TET_OK;
 }
 
-/* Joins face `made` of a new tetrahedron to what is beyond the cavity's border h. */
+/* Joins face `made` of a new tetrahedron to what is beyond the cavity's border h: at a
+ * slit, to the crossed tetrahedron there until its own turn comes, which finds `made`. */
 static void join_border(tet_cavity *c, uint32_t made, uint32_t h) {
   tet_complex *m = &c->st->complex;
   uint32_t outside = m->adj[h];
@@ -249,7 +250,9 @@ static tet_status copy_wrapped(tet_cavity *c, int up, const tet_wrap *w) {
 static tet_status fill_by_wrapping(tet_cavity *c, int up) {
   tet_wrap w = {.ctx = c->st->ctx, .points = &c->st->points, .vertex = c->vertex, .n_vertex = c->n_vertex};
   tet_status status = make_front(c, up, &w);
-  if (status == TET_OK) status = tet_wrap_fill(&w);
+  int filled = 0;
+  if (status == TET_OK) status = tet_wrap_fill(&w, &filled);
+  if (status == TET_OK && !filled) status = tet_internal(w.ctx, "a cavity's face has no apex");
   if (status == TET_OK) status = copy_wrapped(c, up, &w);
   tet_wrap_free(&w);
   return status;

@@ -6,6 +6,7 @@
  * facet bounds nothing. Seeds are located exactly among the rounded tetrahedra. */
 #include "build/state.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "exact/predicates.h"
@@ -101,28 +102,66 @@ static int holds(const tet_pieces *p, uint32_t t, const double *x, int *ret_face
   return 1;
 }
 
-/* The region (part - 1) that holds seed x; an error where none does or it lies on
- * a subface. */
-static tet_status locate_seed(tet_ctx *ctx, const tet_pieces *p, const double *x, tet_offender_kind kind,
-                              uint32_t index, uint32_t *ret_region) {
-  const char *name = kind == TET_OFFENDER_HOLE ? "hole" : "region";
+static tet_status bad_seed(tet_ctx *ctx, tet_offender_kind kind, uint32_t index, const double *x, const char *where) {
   tet_offence offence = {.kind = {kind, kind}, .index = {index, TET_NONE}, .place = {x[0], x[1], x[2]}};
-  int faces = 0, on_facet = 0;
-  uint32_t t = 0;
-  while (t < p->n_tets && !holds(p, t, x, &faces)) t++;
-  for (int i = 0; t < p->n_tets && i < 4; i++) {
-    if (!(faces >> i & 1)) continue;
-    uint32_t g = p->adj[4 * (size_t)t + (size_t)i];
-    on_facet |= g == TET_NONE || p->region[g >> 2] != p->region[t];
-  }
-  if (t < p->n_tets && !on_facet) {
-    *ret_region = p->region[t];
-    return TET_OK;
-  }
-  tet_fail(ctx, TET_E_SEED, "the seed of %s %u at (%.17g, %.17g, %.17g) lies %s", name, index, x[0], x[1], x[2],
-           on_facet ? "on a facet" : "outside the domain");
+  tet_fail(ctx, TET_E_SEED, "the seed of %s %u at (%.17g, %.17g, %.17g) lies %s",
+           kind == TET_OFFENDER_HOLE ? "hole" : "region", index, x[0], x[1], x[2], where);
   tet_offend(ctx, &offence);
   return TET_E_SEED;
+}
+
+/* 1: x lies in the closed triangle abc. */
+static int is_on(const double *a, const double *b, const double *c, const double *x) {
+  for (int j = 0; j < 3; j++)
+    if (x[j] < fmin(fmin(a[j], b[j]), c[j]) || x[j] > fmax(fmax(a[j], b[j]), c[j])) return 0;
+  if (tet_orient3d_xyz(a, b, c, x) != 0) return 0;
+  int axis = 0, turn;
+  while ((turn = tet_orient2d_xyz(axis, a, b, c)) == 0) axis++;
+  return turn * tet_orient2d_xyz(axis, a, b, x) >= 0 && turn * tet_orient2d_xyz(axis, b, c, x) >= 0 &&
+         turn * tet_orient2d_xyz(axis, c, a, x) >= 0;
+}
+
+static tet_status check_seed(const tet_state *st, tet_offender_kind kind, uint32_t index, const double *x) {
+  const tet_surface *s = &st->surface;
+  const double *p = st->points.x;
+  for (size_t k = 0; k < s->n_tris; k++) {
+    const uint32_t *v = s->tri + 3 * k;
+    if (is_on(p + 3 * (size_t)v[0], p + 3 * (size_t)v[1], p + 3 * (size_t)v[2], x))
+      return bad_seed(st->ctx, kind, index, x, "on a facet");
+  }
+  return tet_poll(st->ctx);
+}
+
+tet_status tet_check_seeds(const tet_state *st) {
+  const tet_pls *pls = st->pls;
+  tet_status status = TET_OK;
+  for (uint32_t i = 0; i < pls->n_holes && status == TET_OK; i++)
+    status = check_seed(st, TET_OFFENDER_HOLE, i, pls->holes + 3 * (size_t)i);
+  for (uint32_t i = 0; i < pls->n_regions && status == TET_OK; i++)
+    status = check_seed(st, TET_OFFENDER_REGION, i, pls->region_seeds + 3 * (size_t)i);
+  return status;
+}
+
+/* The region (part - 1) that holds seed x; an error where none does or it lies on the
+ * border of one. At an edge or a vertex several tetrahedra hold it, and each is asked. */
+static tet_status locate_seed(tet_ctx *ctx, const tet_pieces *p, const double *x, tet_offender_kind kind,
+                              uint32_t index, uint32_t *ret_region) {
+  int faces = 0, on_facet = 0;
+  uint32_t found = TET_NONE;
+  for (uint32_t t = 0; t < p->n_tets && !on_facet; t++) {
+    if (!holds(p, t, x, &faces)) continue;
+    found = t;
+    for (int i = 0; i < 4; i++) {
+      if (!(faces >> i & 1)) continue;
+      uint32_t g = p->adj[4 * (size_t)t + (size_t)i];
+      on_facet |= g == TET_NONE || p->region[g >> 2] != p->region[t];
+    }
+  }
+  if (found != TET_NONE && !on_facet) {
+    *ret_region = p->region[found];
+    return TET_OK;
+  }
+  return bad_seed(ctx, kind, index, x, on_facet ? "on a facet" : "outside the domain");
 }
 
 /* Takes the tetrahedra with drop[region] out; renumbers the rest. */

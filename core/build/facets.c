@@ -150,7 +150,8 @@ static tet_status collect_crossed(facet_recovery *r) {
   return status;
 }
 
-/* Sorts the border faces of the crossed tetrahedra to the two sides. */
+/* Sorts the border faces of the crossed tetrahedra to the two sides. A subface that only
+ * touches Omega's plane may lie between two of them: it is a slit, border from both sides. */
 static tet_status part_border(facet_recovery *r) {
   tet_complex *c = &r->st->complex;
   tet_cavity *cav = &r->cavity;
@@ -160,7 +161,7 @@ static tet_status part_border(facet_recovery *r) {
     uint32_t t = cav->crossed[k];
     for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
       uint32_t h = 4 * t + i;
-      if (c->flag[c->adj[h] >> 2] & TET_FLAG_CAVITY) continue;
+      if (c->flag[c->adj[h] >> 2] & TET_FLAG_CAVITY && cav->face_tri[h] == TET_NONE) continue;
       int up = 0;
       for (int j = 0; j < 3; j++) up |= r->side[c->v[4 * (size_t)t + tet_face[i][j]]] > 0;
       status = tet_push(r->ctx, &cav->border[up], &cav->n_border[up], &cav->cap_border[up], h);
@@ -206,6 +207,22 @@ static tet_status recover_all(facet_recovery *r) {
   return status;
 }
 
+/* Every triangle is a face now. */
+static tet_status verify(const facet_recovery *r) {
+  const tet_complex *c = &r->st->complex;
+  uint32_t n = r->st->surface.n_tris, left = n;
+  uint8_t *found = tet_calloc(r->ctx, n, 1);
+  if (!found) return tet_ctx_error(r->ctx)->status;
+  for (size_t h = 0; h < 4 * (size_t)c->n_slots; h++) {
+    uint32_t tri = r->cavity.face_tri[h];
+    if (tri == TET_NONE || !tet_is_live(c, (uint32_t)(h >> 2)) || found[tri]) continue;
+    found[tri] = 1;
+    left--;
+  }
+  tet_free(r->ctx, found);
+  return left ? tet_internal(r->ctx, "a recovered facet was lost again") : TET_OK;
+}
+
 tet_status tet_recover_facets(tet_state *st, uint32_t **ret_face_tri) {
   facet_recovery r = {.st = st, .ctx = st->ctx};
   tet_status status = tet_cavity_init(&r.cavity, st);
@@ -214,6 +231,7 @@ tet_status tet_recover_facets(tet_state *st, uint32_t **ret_face_tri) {
   if (status == TET_OK && (!r.in_region || !r.side)) status = tet_ctx_error(st->ctx)->status;
   if (status == TET_OK) memset(r.side, UNKNOWN, st->points.n);
   if (status == TET_OK) status = recover_all(&r);
+  if (status == TET_OK) status = verify(&r);
   if (status == TET_OK) {
     *ret_face_tri = r.cavity.face_tri;
     r.cavity.face_tri = NULL;

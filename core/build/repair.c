@@ -9,24 +9,10 @@
 
 #include <string.h>
 
+#include "build/repair_work.h"
 #include "exact/predicates.h"
-#include "mesh/edge_map.h"
 
 enum { MOST = 4 }; /* tetrahedra before or after one flip */
-
-typedef struct repair {
-  tet_ctx *ctx;
-  tet_pieces *p;
-  tet_points exact;        /* the Steiner points as they were: implicit */
-  uint32_t **tri;          /* [n_tets][4] triangle of the surface at a face */
-  size_t cap_tets, cap_adj, cap_region, cap_tri;
-  tet_edge_map subsegs;
-  uint32_t *patch_start;   /* [vertices + 1] into patches */
-  uint32_t *patches;       /* the patches of each vertex */
-  uint32_t *stack;         /* tetrahedra to look at */
-  size_t n_stack, cap_stack;
-  uint64_t flips;
-} repair;
 
 /* What one flip does. */
 typedef struct flip {
@@ -37,31 +23,27 @@ typedef struct flip {
   uint32_t facet_tri[2];   /* their triangles, at dex and dey */
 } flip;
 
-static const double *at(const repair *r, uint32_t v) { return r->p->points + 3 * (size_t)v; }
-
 static int on_patch(const repair *r, uint32_t v, uint32_t patch) {
   for (uint32_t i = r->patch_start[v]; i < r->patch_start[v + 1]; i++)
     if (r->patches[i] == patch) return 1;
   return 0;
 }
 
-/* 1: abcd is positive as rounded, and its vertices are not all on one patch: those
- * are coplanar, whatever rounding made of them. */
-static int may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  if (tet_orient3d_xyz(at(r, a), at(r, b), at(r, c), at(r, d)) <= 0) return 0;
+int tet_repair_may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  if (tet_orient3d_xyz(repair_at(r, a), repair_at(r, b), repair_at(r, c), repair_at(r, d)) <= 0) return 0;
   if (tet_orient3d(&r->exact, a, b, c, d) != 0) return 1;
+  if (tet_collinear(&r->exact, a, b, c) || tet_collinear(&r->exact, a, b, d) || tet_collinear(&r->exact, a, c, d) ||
+      tet_collinear(&r->exact, b, c, d))
+    return 0;
   for (uint32_t i = r->patch_start[a]; i < r->patch_start[a + 1]; i++)
     if (on_patch(r, b, r->patches[i]) && on_patch(r, c, r->patches[i]) && on_patch(r, d, r->patches[i])) return 0;
   return 1;
 }
 
-static int positive(const repair *r, uint32_t t) {
+int tet_repair_is_positive(const repair *r, uint32_t t) {
   const uint32_t *v = r->p->tets + 4 * (size_t)t;
-  return tet_orient3d_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3])) > 0;
+  return tet_orient3d_xyz(repair_at(r, v[0]), repair_at(r, v[1]), repair_at(r, v[2]), repair_at(r, v[3])) > 0;
 }
-
-/* 3-2 flips leave gaps. */
-static int is_dead(const repair *r, uint32_t t) { return r->p->tets[4 * (size_t)t] == TET_NONE; }
 
 static uint32_t tri_at(const repair *r, uint32_t h) { return (*r->tri)[h]; }
 
@@ -83,21 +65,28 @@ static int same_face(const uint32_t *a, const uint8_t *fa, const uint32_t *b, co
   return 1;
 }
 
+tet_status tet_repair_new_slot(repair *r, uint32_t *ret_t) {
+  tet_pieces *p = r->p;
+  size_t n = (size_t)p->n_tets + 1;
+  tet_status status = tet_grow(r->ctx, &p->tets, &r->cap_tets, 4 * n, sizeof *p->tets);
+  if (status == TET_OK) status = tet_grow(r->ctx, &p->adj, &r->cap_adj, 4 * n, sizeof *p->adj);
+  if (status == TET_OK) status = tet_grow(r->ctx, &p->region, &r->cap_region, n, sizeof *p->region);
+  if (status == TET_OK) status = tet_grow(r->ctx, r->tri, &r->cap_tri, 4 * n, sizeof **r->tri);
+  if (status != TET_OK) return status;
+  p->tets[4 * (n - 1)] = TET_NONE;
+  *ret_t = p->n_tets++;
+  return TET_OK;
+}
+
 /* Slots for the new tetrahedra: the old ones' first. */
 static tet_status take_slots(repair *r, const flip *f, uint32_t *slot) {
-  tet_pieces *p = r->p;
   for (int k = 0; k < f->n_made; k++) {
     if (k < f->n_old) {
       slot[k] = f->old[k];
       continue;
     }
-    size_t n = (size_t)p->n_tets + 1;
-    tet_status status = tet_grow(r->ctx, &p->tets, &r->cap_tets, 4 * n, sizeof *p->tets);
-    if (status == TET_OK) status = tet_grow(r->ctx, &p->adj, &r->cap_adj, 4 * n, sizeof *p->adj);
-    if (status == TET_OK) status = tet_grow(r->ctx, &p->region, &r->cap_region, n, sizeof *p->region);
-    if (status == TET_OK) status = tet_grow(r->ctx, r->tri, &r->cap_tri, 4 * n, sizeof **r->tri);
+    tet_status status = tet_repair_new_slot(r, &slot[k]);
     if (status != TET_OK) return status;
-    slot[k] = p->n_tets++;
   }
   return TET_OK;
 }
@@ -205,7 +194,7 @@ static int remove_edge(const repair *r, uint32_t h, uint32_t x, uint32_t y, uint
 static int all_may_be_made(const repair *r, const flip *f) {
   for (int k = 0; k < f->n_made; k++) {
     const uint32_t *v = f->made[k];
-    if (!may_be_made(r, v[0], v[1], v[2], v[3])) return 0;
+    if (!tet_repair_may_be_made(r, v[0], v[1], v[2], v[3])) return 0;
   }
   return 1;
 }
@@ -216,7 +205,7 @@ static int all_may_be_made(const repair *r, const flip *f) {
 static int stays_flipped(const repair *r, const flip *f) {
   for (int k = 0; k < f->n_made; k += 2) {
     const uint32_t *v = f->made[k];
-    if (tet_insphere_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3]), at(r, f->x)) > 0) return 0;
+    if (tet_insphere_xyz(repair_at(r, v[0]), repair_at(r, v[1]), repair_at(r, v[2]), repair_at(r, v[3]), repair_at(r, f->x)) > 0) return 0;
   }
   return 1;
 }
@@ -231,32 +220,31 @@ static tet_status try_face(repair *r, uint32_t h, const tet_surface *surface, in
   *ret_done = all_may_be_made(r, &f);
   for (int k = 0; k < 3 && !*ret_done; k++) {
     uint32_t x = v[k], y = v[(k + 1) % 3];
-    if (may_be_made(r, d, x, y, e) || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
+    if (tet_repair_may_be_made(r, d, x, y, e) || !remove_edge(r, h, x, y, v[(k + 2) % 3], &f)) continue;
     if (f.in_facet && surface->tri_patch[f.facet_tri[0]] != surface->tri_patch[f.facet_tri[1]]) continue;
+    if (f.in_facet && (tet_collinear(&r->exact, d, e, x) || tet_collinear(&r->exact, d, e, y))) continue;
     *ret_done = all_may_be_made(r, &f) && (f.n_old == 3 || stays_flipped(r, &f));
   }
   return *ret_done ? apply(r, &f) : TET_OK;
 }
 
-/* 1: face h is interior, no subface, and not locally Delaunay or beside a
- * tetrahedron that is not positive. */
-static int is_bad(const repair *r, uint32_t h, int t_positive) {
+int tet_repair_is_bad_face(const repair *r, uint32_t h, int t_positive) {
   const tet_pieces *p = r->p;
   uint32_t g = p->adj[h], t = h >> 2;
   if (g == TET_NONE || tri_at(r, h) != TET_NONE) return 0;
-  if (!t_positive || !positive(r, g >> 2)) return 1;
+  if (!t_positive || !tet_repair_is_positive(r, g >> 2)) return 1;
   const uint32_t *v = p->tets + 4 * (size_t)t;
-  return tet_insphere_xyz(at(r, v[0]), at(r, v[1]), at(r, v[2]), at(r, v[3]), at(r, p->tets[g])) > 0;
+  return tet_insphere_xyz(repair_at(r, v[0]), repair_at(r, v[1]), repair_at(r, v[2]), repair_at(r, v[3]), repair_at(r, p->tets[g])) > 0;
 }
 
 static tet_status flip_all(repair *r, const tet_surface *surface) {
   tet_status status = TET_OK;
   while (r->n_stack && status == TET_OK) {
     uint32_t t = r->stack[--r->n_stack];
-    if (is_dead(r, t)) continue;
-    int ok = positive(r, t), done = 0;
+    if (repair_is_dead(r, t)) continue;
+    int ok = tet_repair_is_positive(r, t), done = 0;
     for (uint32_t i = 0; i < 4 && !done && status == TET_OK; i++)
-      if (is_bad(r, 4 * t + i, ok)) status = try_face(r, 4 * t + i, surface, &done);
+      if (tet_repair_is_bad_face(r, 4 * t + i, ok)) status = try_face(r, 4 * t + i, surface, &done);
     if (status == TET_OK) status = tet_poll(r->ctx);
   }
   return status;
@@ -266,12 +254,12 @@ static tet_status flip_all(repair *r, const tet_surface *surface) {
 static void compact(repair *r) {
   tet_pieces *p = r->p;
   for (uint32_t t = 0; t < p->n_tets;) {
-    if (!is_dead(r, t)) {
+    if (!repair_is_dead(r, t)) {
       t++;
       continue;
     }
     uint32_t last = --p->n_tets;
-    if (last == t || is_dead(r, last)) continue;
+    if (last == t || repair_is_dead(r, last)) continue;
     for (uint32_t i = 0; i < 4; i++) {
       uint32_t g = p->adj[4 * (size_t)last + i];
       p->tets[4 * (size_t)t + i] = p->tets[4 * (size_t)last + i];
@@ -284,78 +272,43 @@ static void compact(repair *r) {
   }
 }
 
-/* 1: t is not positive or has a bad face. */
-static int is_bad_tetrahedron(const repair *r, uint32_t t) {
-  int ok = positive(r, t), bad = !ok;
-  for (uint32_t i = 0; i < 4 && !bad; i++) bad = is_bad(r, 4 * t + i, ok);
+int tet_repair_is_bad(const repair *r, uint32_t t) {
+  int ok = tet_repair_is_positive(r, t), bad = !ok;
+  for (uint32_t i = 0; i < 4 && !bad; i++) bad = tet_repair_is_bad_face(r, 4 * t + i, ok);
   return bad;
 }
 
-/* The neighbours of Steiner point v on its segment, as t. */
-static void gap_around(const repair *r, const tet_surface *s, uint32_t v, double *lo, double *hi) {
-  const tet_segment_point *p = &r->exact.implicit[v - r->exact.first_implicit];
-  *lo = 0;
-  *hi = 1;
-  for (size_t e = 0; e < s->n_subsegs; e++)
-    for (int side = 0; side < 2; side++) {
-      uint32_t other = s->subseg[2 * e + (size_t)!side];
-      if (s->subseg[2 * e + (size_t)side] != v || other < r->exact.first_implicit) continue;
-      double t = r->exact.implicit[other - r->exact.first_implicit].t;
-      if (t < p->t && t > *lo) *lo = t;
-      if (t > p->t && t < *hi) *hi = t;
-    }
-}
-
-/* Moves Steiner point v to `t` on its segment if all its tetrahedra are positive
- * then; they are pushed. */
-static tet_status move(repair *r, uint32_t v, double t, int *ret_moved) {
-  tet_segment_point *s = &r->exact.implicit[v - r->exact.first_implicit];
-  tet_pieces *p = r->p;
-  double *x = p->points + 3 * (size_t)v, old_x[3] = {x[0], x[1], x[2]}, old_t = s->t;
-  size_t first = r->n_stack;
+/* Mends bad tetrahedron t where it stands: by a shift of a Steiner point near it, or by
+ * filling its place anew. */
+static tet_status mend(repair *r, uint32_t t, int *ret_done) {
+  uint32_t near[8], n = 0;
   tet_status status = TET_OK;
-  s->t = t;
-  tet_segment_point_round(&r->exact, s, x);
-  *ret_moved = 1;
-  for (uint32_t k = 0; k < p->n_tets && *ret_moved && status == TET_OK; k++) {
-    const uint32_t *c = p->tets + 4 * (size_t)k;
-    if (is_dead(r, k) || (c[0] != v && c[1] != v && c[2] != v && c[3] != v)) continue;
-    *ret_moved = may_be_made(r, c[0], c[1], c[2], c[3]);
-    status = push(r, k);
+  int ok = tet_repair_is_positive(r, t);
+  for (uint32_t i = 0; i < 4; i++) {
+    near[n++] = r->p->tets[4 * (size_t)t + i];
+    if (tet_repair_is_bad_face(r, 4 * t + i, ok)) near[n++] = r->p->tets[r->p->adj[4 * (size_t)t + i]];
   }
-  if (*ret_moved) return status;
-  r->n_stack = first;
-  s->t = old_t;
-  memcpy(x, old_x, sizeof old_x);
+  *ret_done = 0;
+  for (uint32_t k = 0; k < n && !*ret_done && status == TET_OK; k++)
+    if (near[k] >= r->exact.first_implicit) status = tet_shift(r, near[k], ret_done);
+  if (status == TET_OK && !*ret_done) status = tet_refill(r, t, ret_done);
+  for (uint32_t i = 0; i < 4 && !*ret_done && status == TET_OK; i++)
+    if (tet_repair_is_bad_face(r, 4 * t + i, ok)) status = tet_refill_facet(r, 4 * t + i, ret_done);
   return status;
 }
 
-/* Where flips stick: moves the Steiner points of bad tetrahedra along their
- * segments, a little farther in every round, and flips again. */
-static tet_status move_and_flip(repair *r, const tet_surface *surface, uint64_t *ret_moves) {
-  static const double share[] = {0.01, 0.02, 0.04, 0.08, 0.12, 0.16, 0.2, 0.24, 0.28, 0.32, 0.36, 0.4};
-  tet_pieces *p = r->p;
+/* Where flips stick. Each shift and each refill leaves fewer bad faces. */
+static tet_status mend_all(repair *r) {
   tet_status status = TET_OK;
-  for (size_t round = 0; round < sizeof share / sizeof *share && status == TET_OK; round++) {
-    uint32_t bad = 0;
-    for (uint32_t t = 0; t < p->n_tets && status == TET_OK; t++) {
-      if (is_dead(r, t) || !is_bad_tetrahedron(r, t)) continue;
-      bad++;
-      for (int i = 0; i < 4 && status == TET_OK && !is_dead(r, t); i++) {
-        uint32_t v = p->tets[4 * (size_t)t + (size_t)i];
-        if (v < r->exact.first_implicit) continue;
-        double lo, hi, at_t = r->exact.implicit[v - r->exact.first_implicit].t;
-        gap_around(r, surface, v, &lo, &hi);
-        double step = share[round] * (hi - at_t < at_t - lo ? hi - at_t : at_t - lo);
-        int moved = 0;
-        status = move(r, v, at_t + step, &moved);
-        if (!moved && status == TET_OK) status = move(r, v, at_t - step, &moved);
-        *ret_moves += (uint64_t)moved;
-        if (moved && status == TET_OK) status = flip_all(r, surface);
-      }
+  for (int any = 1; any && status == TET_OK;) {
+    any = 0;
+    for (uint32_t t = 0; t < r->p->n_tets && status == TET_OK; t++) {
+      int done = 0;
+      if (repair_is_dead(r, t) || !tet_repair_is_bad(r, t)) continue;
+      status = mend(r, t, &done);
+      any |= done;
       if (status == TET_OK) status = tet_poll(r->ctx);
     }
-    if (!bad) break;
   }
   return status;
 }
@@ -365,9 +318,9 @@ static tet_status verify(const repair *r) {
   uint64_t n = 0;
   const double *place_of = NULL;
   for (uint32_t t = 0; t < r->p->n_tets; t++) {
-    if (!is_bad_tetrahedron(r, t)) continue;
+    if (!tet_repair_is_bad(r, t)) continue;
     n++;
-    place_of = at(r, r->p->tets[4 * (size_t)t]);
+    place_of = repair_at(r, r->p->tets[4 * (size_t)t]);
   }
   if (!n) return TET_OK;
   return tet_fail(r->ctx, TET_E_ROUNDING,
@@ -391,9 +344,11 @@ static tet_status list_patches(repair *r, const tet_surface *s) {
 tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
                       uint32_t **tri, tet_counts *counts) {
   size_t n = p->n_tets;
-  repair r = {.ctx = ctx, .p = p, .exact = *exact, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
+  repair r = {.ctx = ctx, .p = p, .surface = surface, .exact = *exact, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
   tet_status status = TET_OK;
   r.exact.x = p->points; /* moved there */
+  r.rounded = tet_points_explicit(p->points, p->n_points);
+  r.rounded.max_abs = r.exact.max_abs;
   for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;) {
     int steiner = 0;
     for (int i = 0; i < 4; i++) steiner |= p->tets[4 * (size_t)t + (size_t)i] >= p->n_input;
@@ -403,11 +358,14 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
   if (status == TET_OK) status = list_patches(&r, surface);
   if (status == TET_OK) status = flip_all(&r, surface);
-  if (status == TET_OK) status = move_and_flip(&r, surface, &counts->rounding_moves);
+  if (status == TET_OK) status = mend_all(&r);
   compact(&r);
   if (status == TET_OK) status = verify(&r);
-  counts->rounding_flips = r.flips;
+  counts->rounding_flips = r.flips + r.refills;
+  counts->rounding_moves = r.moves;
   tet_edge_map_free(ctx, &r.subsegs);
+  tet_free(ctx, r.mark);
+  tet_free(ctx, r.star);
   tet_free(ctx, r.patch_start);
   tet_free(ctx, r.patches);
   tet_free(ctx, r.stack);

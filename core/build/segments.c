@@ -10,10 +10,26 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vector.h"
 #include "exact/predicates.h"
 #include "mesh/edge_map.h"
 
 #define BOTH_ACUTE TET_GHOST
+
+/* Segments are beside each other when the cosine between them is larger. */
+static const double BESIDE = 0.5;
+/* How far off level a point is put, as part of what would make the other point encroach: so
+ * level points are not cospherical, which rounding could not keep. */
+static const double OFF_LEVEL = 0.05;
+/* Nearer to an end than this part of the largest coordinate, a point would be noise. */
+static const double LEAST = 0x1p-36;
+/* How far off every point is put where rounding failed, as part of the way to an end, and how
+ * much farther every other time: the ties of a symmetric input are gone then, and that
+ * points stand beside each other is not. */
+static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
+/* Nearer to an end of the subsegment than this part of the distance to the other point, a level
+ * point would be of no use. */
+static const double NEAR_END = 0.1;
 
 typedef struct recovery {
   tet_state *st;
@@ -175,27 +191,64 @@ static double acute_split(const double *end, const double *direction, double nea
   return 0.5 * (near + far);
 }
 
+/* In [-1, 1), by the number of the vertex to come. */
+static double scatter(const recovery *r) {
+  return (double)((r->st->points.n + 0x9E3779B9u * r->st->attempt) * 2654435761u) * 0x1p-31 - 1;
+}
+
+/* The place on segment g level with Steiner point p of another segment that runs beside
+ * it, as t, for a subsegment of it between lo and hi; NaN where p is no such point. Level: in
+ * one plane across the bisector of the two lines, which is the sphere of rule 2 where they
+ * share an end. So p is level with what is level with it; by the other rules, each point of a
+ * bundle of close segments would ask for one a little farther on the next. Where there is a
+ * vertex level with p already, lines that cross beyond it are the reason: the middle. */
+static double level_place(const recovery *r, const tet_segment *g, double lo, double hi, uint32_t p) {
+  const tet_state *st = r->st;
+  if (p == TET_NONE || p < st->n_input) return NAN;
+  const tet_segment *h = &st->surface.segment[st->steiner_segment[p - st->n_input]];
+  double u[3], w[3], to_p[3], across[3], apart = 0;
+  tet_minus(at(r, g->b), at(r, g->a), u);
+  tet_minus(at(r, h->b), at(r, h->a), w);
+  tet_minus(at(r, p), at(r, g->a), to_p);
+  double length = sqrt(tet_dot(u, u)), other = sqrt(tet_dot(w, w)), cosine = tet_dot(u, w) / (length * other);
+  if (!(fabs(cosine) > BESIDE)) return NAN;
+  for (int k = 0; k < 3; k++) across[k] = u[k] / length + (cosine < 0 ? -w[k] : w[k]) / other;
+  double t = tet_dot(to_p, across) / tet_dot(u, across);
+  for (int k = 0; k < 3; k++) apart += (to_p[k] - t * u[k]) * (to_p[k] - t * u[k]);
+  apart = sqrt(apart) / length;
+  if (fmin(t - lo, hi - t) < NEAR_END * apart) return t > lo && t < hi ? 0.5 * (lo + hi) : NAN;
+  return t + scatter(r) * OFF_LEVEL * apart * apart / (hi - lo);
+}
+
+/* The place by the rules of 5.3.1 on subsegment e between ti and tj of segment g. */
+static double ruled_place(const recovery *r, uint32_t e, const tet_segment *g, double ti, double tj, uint32_t p) {
+  double length = distance(at(r, g->a), at(r, g->b));
+  if (r->acute[e] == TET_NONE) { /* rule 1 */
+    const uint32_t *v = r->st->surface.subseg + 2 * (size_t)e;
+    double half = 0.5 * (tj - ti) * length, di = distance(at(r, v[0]), at(r, p)), dj = distance(at(r, v[1]), at(r, p));
+    return di < half ? ti + di / length : dj < half ? tj - dj / length : 0.5 * (ti + tj);
+  }
+  int back = r->acute[e] == g->b;
+  const double *end = at(r, back ? g->b : g->a), *other = at(r, back ? g->a : g->b);
+  double direction[3], near = back ? 1 - tj : ti, far = back ? 1 - ti : tj;
+  for (int k = 0; k < 3; k++) direction[k] = (other[k] - end[k]) / length;
+  double u = acute_split(end, direction, near * length, far * length, at(r, p)) / length;
+  return back ? 1 - u : u;
+}
+
 /* Where to split subsegment e for reference point p, as t on its segment. */
 static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   const tet_surface *s = &r->st->surface;
   const tet_segment *g = &s->segment[s->subseg_segment[e]];
-  uint32_t i = s->subseg[2 * (size_t)e], j = s->subseg[2 * (size_t)e + 1];
-  double ti = parameter(r, g, i), tj = parameter(r, g, j), length = distance(at(r, g->a), at(r, g->b));
-  double middle = ti + 0.5 * (tj - ti), t = middle;
-  if (p == TET_NONE || r->acute[e] == BOTH_ACUTE) return middle;
-  if (r->acute[e] == TET_NONE) { /* rule 1 */
-    double half = 0.5 * (tj - ti) * length, di = distance(at(r, i), at(r, p)), dj = distance(at(r, j), at(r, p));
-    if (di < half) t = ti + di / length;
-    else if (dj < half) t = tj - dj / length;
-  } else {
-    int back = r->acute[e] == g->b;
-    const double *end = at(r, back ? g->b : g->a), *other = at(r, back ? g->a : g->b);
-    double direction[3], near = back ? 1 - tj : ti, far = back ? 1 - ti : tj;
-    for (int k = 0; k < 3; k++) direction[k] = (other[k] - end[k]) / length;
-    double u = acute_split(end, direction, near * length, far * length, at(r, p)) / length;
-    t = back ? 1 - u : u;
-  }
-  return t > ti && t < tj ? t : middle;
+  const uint32_t *v = s->subseg + 2 * (size_t)e;
+  double ti = parameter(r, g, v[0]), tj = parameter(r, g, v[1]), middle = ti + 0.5 * (tj - ti);
+  double t = level_place(r, g, ti, tj, p), length = distance(at(r, g->a), at(r, g->b));
+  double least = LEAST * r->st->points.max_abs / length;
+  if (!(t > ti && t < tj)) t = p == TET_NONE || r->acute[e] == BOTH_ACUTE ? middle : ruled_place(r, e, g, ti, tj, p);
+  if (!(t - ti > least && tj - t > least)) t = middle;
+  double off = r->st->attempt ? ELSEWHERE * scatter(r) * fmin(t - ti, tj - t) : 0;
+  for (uint32_t k = 1; k < r->st->attempt; k++) off *= FARTHER;
+  return t + off;
 }
 
 static tet_status too_short(recovery *r, uint32_t e) {

@@ -19,6 +19,7 @@ typedef struct tet_state {
   tet_surface surface;
   tet_counts counts;
   const tet_breaks *breaks; /* Steiner points wanted from the start */
+  uint32_t attempt;         /* how often rounding failed: Steiner points go elsewhere then */
 } tet_state;
 
 /* Appends the Steiner point a + t (b - a) of segment s. */
@@ -32,6 +33,10 @@ tet_status tet_recover_segments(tet_state *st);
  * return *ret_face_tri, the caller's, maps each face handle to its triangle or
  * TET_NONE. */
 tet_status tet_recover_facets(tet_state *st, uint32_t **ret_face_tri);
+
+/* TET_E_SEED where a hole's or region's seed lies on a triangle of the surface; to be asked
+ * before segments are split, whose Steiner points are rounded in the end. */
+tet_status tet_check_seeds(const tet_state *st);
 
 /* The parts into which the surface cuts space: the part of each slot of the
  * complex, 0 the outside. Errors: TET_E_OPEN where the facets enclose nothing

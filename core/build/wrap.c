@@ -43,21 +43,21 @@ static int boxes_apart(const tet_points *p, const uint32_t t[4], const uint32_t 
   return 0;
 }
 
-/* 1: tetrahedron t fits into what is empty. */
+/* 1: the positive tetrahedron t fits into what is empty. */
 static int fits(const tet_wrap *w, const uint32_t t[4]) {
+  int behind = 0, before = 0; /* bit i: face i is front, seen from its back or its front */
   for (size_t k = 0; k < w->n_front; k++) {
     const uint32_t *f = w->front[k].v;
     int common = has(f, t[0]) + has(f, t[1]) + has(f, t[2]) + has(f, t[3]);
-    if (common == 3) { /* the same face: then from the same side */
-      uint32_t other = TET_NONE;
-      for (int i = 0; i < 4; i++)
-        if (!has(f, t[i])) other = t[i];
-      if (tet_orient3d(w->points, f[0], f[1], f[2], other) <= 0) return 0;
+    if (common == 3) {
+      int i = 0;
+      while (has(f, t[i])) i++;
+      *(tet_orient3d(w->points, f[0], f[1], f[2], t[i]) > 0 ? &before : &behind) |= 1 << i;
     } else if (!boxes_apart(w->points, t, f) && !tet_meets_in_common_face(w->points, t, f)) {
       return 0;
     }
   }
-  return 1;
+  return !(behind & ~before); /* a slit is front from both sides */
 }
 
 /* The apex of front face f, or TET_NONE. */
@@ -73,9 +73,16 @@ static uint32_t apex_of(tet_wrap *w, const uint32_t f[3]) {
     }
     if (best == w->n_vertex) return TET_NONE;
     uint32_t t[4] = {f[0], f[1], f[2], w->vertex[best]};
-    if (fits(w, t)) return w->vertex[best];
+    if ((!w->may_be_made || w->may_be_made(w->user, t)) && fits(w, t)) return w->vertex[best];
     w->tried[best] = 1;
   }
+}
+
+/* 1: f and g are one triangle seen from its two sides. */
+static int are_back_to_back(const uint32_t *f, const uint32_t *g) {
+  for (int i = 0; i < 3; i++)
+    if (f[i] == g[0]) return f[(i + 1) % 3] == g[2] && f[(i + 2) % 3] == g[1];
+  return 0;
 }
 
 /* Joins face `face` of tetrahedron k, whose outside sees it as v: to the front face
@@ -83,7 +90,7 @@ static uint32_t apex_of(tet_wrap *w, const uint32_t f[3]) {
 static tet_status close_or_open(tet_wrap *w, uint32_t k, uint32_t face, const uint32_t v[3]) {
   for (size_t i = 0; i < w->n_front; i++) {
     tet_front *g = &w->front[i];
-    if (!has(g->v, v[0]) || !has(g->v, v[1]) || !has(g->v, v[2])) continue;
+    if (!are_back_to_back(g->v, v)) continue;
     w->link[k][face] = g->made ? g->tag : g->tag | TET_WRAP_TAG;
     if (g->made) w->link[g->tag >> 2][g->tag & 3] = 4 * k + face;
     *g = w->front[--w->n_front];
@@ -94,14 +101,16 @@ static tet_status close_or_open(tet_wrap *w, uint32_t k, uint32_t face, const ui
   return status;
 }
 
-tet_status tet_wrap_fill(tet_wrap *w) {
+tet_status tet_wrap_fill(tet_wrap *w, int *ret_filled) {
   tet_status status = tet_grow(w->ctx, &w->tried, &w->cap_tried, w->n_vertex, 1);
+  size_t n = w->n_vertex, most = 8 * (w->n_front + n) + n * n; /* a tetrahedralization has fewer */
   w->n_made = 0;
+  *ret_filled = 0;
   while (w->n_front && status == TET_OK) {
     uint32_t f[3], k = (uint32_t)w->n_made;
     memcpy(f, w->front[w->n_front - 1].v, sizeof f);
     uint32_t apex = apex_of(w, f);
-    if (apex == TET_NONE) return tet_internal(w->ctx, "a cavity's face has no apex");
+    if (apex == TET_NONE || w->n_made >= most) return TET_OK;
     status = tet_grow(w->ctx, &w->made, &w->cap_made, w->n_made + 1, sizeof *w->made);
     if (status == TET_OK) status = tet_grow(w->ctx, &w->link, &w->cap_link, w->n_made + 1, sizeof *w->link);
     if (status != TET_OK) break;
@@ -115,5 +124,6 @@ tet_status tet_wrap_fill(tet_wrap *w) {
     }
     if (status == TET_OK && (k & 15) == 0) status = tet_poll(w->ctx);
   }
+  *ret_filled = status == TET_OK;
   return status;
 }
