@@ -186,7 +186,8 @@ def refine(b):
         volume = f"{1.8 / wanted:.3e}"
 
         def ours(v=volume):
-            said = json.loads(output(b.meshpls, cube, "--radius-edge", "1.4143", "--max-volume", v))
+            said = json.loads(output(b.meshpls, cube, "--radius-edge", "1.4143", "--max-volume", v,
+                                     "--min-dihedral", "0"))
             return {"rate": 1e-3 * said["tets"] / said["stages"]["refine"], "tets": said["tets"],
                     "bytes": said["peak"] / said["tets"]}
 
