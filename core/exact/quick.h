@@ -60,6 +60,10 @@ static inline double tet_smaller(double a, double b) {
   return a < b ? a : b;
 }
 
+/* A first look at insphere: one of the two below. */
+typedef int tet_quick_look(const double *a, const double *b, const double *c, const double *d, const double *e,
+                           double grain5);
+
 /* tet_insphere_xyz, or TET_UNSURE. */
 static inline int tet_quick_insphere(const double *a, const double *b, const double *c,
                                      const double *d, const double *e, double grain5) {

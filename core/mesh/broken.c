@@ -5,11 +5,8 @@
 #include "exact/quick.h"
 #include "mesh/complex.h"
 
-typedef int quick_look(const double *a, const double *b, const double *c, const double *d, const double *e,
-                       double grain5);
-
 /* Those of tetrahedron t that have the lower handle on its side. */
-static inline __attribute__((always_inline)) uint32_t broken_at(const tet_complex *c, uint32_t t, quick_look *look) {
+static inline __attribute__((always_inline)) uint32_t broken_at(const tet_complex *c, uint32_t t, tet_quick_look *look) {
   const uint32_t *v = c->v + 4 * (size_t)t, *adj = c->adj + 4 * (size_t)t;
   const double *x = c->points->x, *corner[4];
   uint32_t n = 0;

@@ -76,7 +76,7 @@ typedef struct tet_complex {
   tet_slot_pool *pool; /* where a thread among several gets its slots; else NULL */
   uint8_t owner;       /* TET_FLAG_OWNER times this thread's number; 0: all is its own */
   uint8_t keep_old;    /* 1: insertions fill `old` */
-  uint8_t is_walled;
+  uint8_t is_walled;   /* 1: a domain's, with walls and without ghosts */
   uint8_t is_canonical; /* 1: bulk insertion is to leave slots that do not depend on threads */
 
   /* Scratch, and what the last change did. */

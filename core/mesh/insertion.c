@@ -77,12 +77,9 @@ static __attribute__((noinline)) int slow_conflict(const tet_complex *c, uint32_
   return tet_insphere_tie(c->points, v[0], v[1], v[2], v[3], p) > 0;
 }
 
-typedef int quick_look(const double *a, const double *b, const double *c, const double *d, const double *e,
-                       double grain5);
-
 /* owned_conflict, by a first look where all points are explicit, NULL where not. */
 static inline __attribute__((always_inline)) int in_conflict(const tet_complex *c, uint32_t t, uint32_t p,
-                                                             quick_look *look) {
+                                                             tet_quick_look *look) {
   if (!look) return tet_complex_conflict(c, t, p);
   const uint32_t *v = c->v + 4 * (size_t)t;
   if (__builtin_expect(v[3] == TET_GHOST, 0)) return slow_conflict(c, t, p, TET_UNSURE);
@@ -112,7 +109,7 @@ static inline void look_ahead(const tet_complex *c, uint32_t t) {
 
 /* Goes on with the search for the cavity of p from its *k-th tetrahedron; is_walled says
  * whether there are walls and TET_NONE, or several threads. */
-static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, quick_look *look,
+static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, tet_quick_look *look,
                                                             int is_walled) {
   const uint32_t *adj = c->adj;
   for (; *k < c->n_cavity; ++*k) {
