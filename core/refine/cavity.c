@@ -10,6 +10,7 @@ static void start(refiner *r, uint32_t p) {
   c->p = p;
   c->segment = c->sub = TET_NONE;
   c->reshaped = c->restar = 0;
+  c->is_listed = 0;
   c->n_made = c->n_spokes = 0;
   c->removed.n = 0;
   c->subs.n = c->rim.n = c->rim_new.n = c->vertices.n = 0;
@@ -48,17 +49,22 @@ tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet) {
   return status ? status : tet_complex_grow(m, p);
 }
 
+/* Adds what the new point splits, in conflict with it or, by rounding and ties, not. */
+static tet_status add_needed(refiner *r, uint32_t t) {
+  if (r->mesh.flag[t] & TET_FLAG_CAVITY) return TET_OK;
+  r->cavity.reshaped |= !tet_complex_conflict(&r->mesh, t, r->cavity.p);
+  return add_tet(r, t, FLAG_NEEDED);
+}
+
 /* Both sides of every replaced subface, and unless `least` all in conflict from
- * there. Rounding, and ties, can have one side replaced that is not in conflict. */
+ * there. */
 static tet_status add_sides(refiner *r, int least) {
   refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < c->subs.n; k++)
     for (int side = 0; side < 2 && !status; side++) {
       uint32_t h = r->sub_side[2 * (size_t)c->subs.at[k] + side];
-      if (h == TET_NONE) continue;
-      status = add_tet(r, h >> 2, FLAG_NEEDED);
-      c->reshaped |= !tet_complex_conflict(&r->mesh, h >> 2, c->p);
+      if (h != TET_NONE) status = add_needed(r, h >> 2);
     }
   c->reshaped |= least;
   return status || least ? status : tet_complex_grow(&r->mesh, c->p);
@@ -95,10 +101,7 @@ tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least)
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
   r->star.n = 0;
   status = refine_seg_star(r, seg, &r->star);
-  for (uint32_t k = 0; k < r->star.n && !status; k++) {
-    status = add_tet(r, r->star.at[k], FLAG_NEEDED);
-    r->cavity.reshaped |= !tet_complex_conflict(&r->mesh, r->star.at[k], p);
-  }
+  for (uint32_t k = 0; k < r->star.n && !status; k++) status = add_needed(r, r->star.at[k]);
   return status ? status : add_sides(r, least);
 }
 
@@ -240,6 +243,7 @@ static tet_status list_again(refiner *r) {
     if (outer != TET_NONE && !(m->flag[outer >> 2] & (TET_FLAG_CAVITY | FLAG_REMOVED))) m->flag[outer >> 2] = 0;
   }
   m->n_border = 0;
+  r->cavity.is_listed = 0;
   for (size_t k = 0; k < m->n_cavity; k++) {
     uint32_t t = m->cavity[k];
     m->cavity[n] = t;
@@ -269,6 +273,7 @@ tet_status refine_cavity_vertices(refiner *r) {
   tet_status status = TET_OK;
   c->vertices.n = 0;
   c->loses_vertex = 0;
+  c->is_listed = 1;
   r->stamp[c->p] = now;
   for (size_t k = 0; k < m->n_border; k++)
     for (int j = 0; j < 4 && !status; j++) {
@@ -308,7 +313,7 @@ tet_status refine_cavity_trim(refiner *r, int *ret_ok) {
   } while (pass > 0);
   if (status || pass < 0) return status;
   forget_removed(r);
-  if (!c->vertices.n || c->reshaped) status = refine_cavity_vertices(r);
+  if (!c->is_listed) status = refine_cavity_vertices(r);
   *ret_ok = !c->loses_vertex && !has_two_sided_spoke(r);
   if (status || !c->subs.n || !*ret_ok) return status;
   status = refine_facet_cavity_rim(r);

@@ -104,7 +104,8 @@ typedef struct refine_cavity {
   int restar;            /* 1: p is a vertex already, its tetrahedra part of the cavity */
   int reshaped;          /* 1: not all of, or more than, the conflict region */
   uint32_t n_made;       /* after the fill: mesh.cavity has so many new tetrahedra */
-  int loses_vertex;      /* 1: not all vertices are on the border */
+  int is_listed;         /* 1: `vertices` are those of the border as it is */
+  int loses_vertex;      /* 1: not all vertices of the cavity are on the border */
   refine_list removed;   /* tetrahedra taken out */
   refine_list subs;      /* subfaces replaced */
   refine_list rim;       /* edge handles of `subs` that stay */
