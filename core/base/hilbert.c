@@ -5,6 +5,8 @@
 
 #include <stddef.h>
 
+#include "base/processor.h"
+
 enum { BITS = 21, LANES = 16 };
 
 tet_hilbert_box tet_hilbert_bound(const double *points, const uint32_t *ids, uint32_t n) {
@@ -25,14 +27,14 @@ tet_hilbert_box tet_hilbert_bound(const double *points, const uint32_t *ids, uin
   return box;
 }
 
-static uint32_t cell(const tet_hilbert_box *box, const double p[3], int k) {
+static inline uint32_t cell(const tet_hilbert_box *box, const double p[3], int k) {
   const double most = (double)((1 << BITS) - 1);
   double at = (p[k] - box->low[k]) * box->scale;
   return at > 0 ? at < most ? (uint32_t)at : (uint32_t)most : 0;
 }
 
 /* A word's 21 lowest bits, three apart. */
-static uint64_t spread(uint32_t word) {
+static inline uint64_t spread(uint32_t word) {
   uint64_t x = word;
   x = (x | x << 32) & UINT64_C(0x1f00000000ffff);
   x = (x | x << 16) & UINT64_C(0x1f0000ff0000ff);
@@ -43,7 +45,7 @@ static uint64_t spread(uint32_t word) {
 
 /* From cells to the transposed index, for LANES points at once and without branches, so that the
  * compiler can put them side by side. */
-static void transpose(uint32_t x[3][LANES]) {
+static inline __attribute__((always_inline)) void transpose(uint32_t x[3][LANES]) {
   /* Undo the curve's turns from the largest cube down. */
   for (int bit = BITS - 1; bit > 0; bit--) {
     uint32_t low = (1u << bit) - 1;
@@ -64,8 +66,8 @@ static void transpose(uint32_t x[3][LANES]) {
   }
 }
 
-void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const uint32_t *ids, uint32_t n,
-                      uint64_t *keys) {
+static inline __attribute__((always_inline)) void find_keys(const tet_hilbert_box *box, const double *points,
+                                                            const uint32_t *ids, uint32_t n, uint64_t *keys) {
   uint32_t x[3][LANES];
   for (uint32_t from = 0; from < n; from += LANES) {
     uint32_t count = n - from < LANES ? n - from : LANES;
@@ -75,6 +77,24 @@ void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const ui
     for (uint32_t i = 0; i < count; i++)
       keys[from + i] = spread(x[0][i]) << 2 | spread(x[1][i]) << 1 | spread(x[2][i]);
   }
+}
+
+#if TET_HAVE_AVX2
+TET_AVX2 static void find_keys_avx2(const tet_hilbert_box *box, const double *points, const uint32_t *ids, uint32_t n,
+                                    uint64_t *keys) {
+  find_keys(box, points, ids, n, keys);
+}
+#endif
+
+void tet_hilbert_keys(const tet_hilbert_box *box, const double *points, const uint32_t *ids, uint32_t n,
+                      uint64_t *keys) {
+#if TET_HAVE_AVX2
+  if (tet_has_avx2()) {
+    find_keys_avx2(box, points, ids, n, keys);
+    return;
+  }
+#endif
+  find_keys(box, points, ids, n, keys);
 }
 
 uint64_t tet_hilbert_key(const tet_hilbert_box *box, const double p[3]) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /* sort.c: introsort (Musser 1997): quicksort, heaps where it degenerates, and
- * insertion for short runs; and a radix sort, lowest digits first. libc's qsort may
- * allocate outside the budget. */
+ * insertion for short runs; and a radix sort, highest digits first, until buckets are
+ * so short. libc's qsort may allocate outside the budget. */
 #include "base/sort.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/threads.h"
@@ -86,57 +87,90 @@ void tet_sort_keyed(tet_keyed *items, size_t n) {
   sort(items, n, depth);
 }
 
-enum { DIGIT = 11, DIGITS = 6, BUCKETS = 1 << DIGIT }; /* 66 bits and more than a key has */
+enum {
+  WIDE = 11,      /* bits of a digit where there are many items, */
+  NARROW = 8,     /* and where there are not so many, */
+  MANY = 1 << 16, /* as these are */
+  FEW = 512,      /* worth no digits */
+  RUN = 8         /* buckets that a thread takes at a time */
+};
 
-static uint32_t digit_of(uint64_t key, int d) { return (uint32_t)(key >> d * DIGIT & (BUCKETS - 1)); }
+static inline uint32_t digit_of(const tet_keyed *x, int shift, uint32_t mask) { return (uint32_t)(x->key >> shift) & mask; }
 
-/* Where each bucket of digit d begins, and the end. 1 if all items are in one bucket. */
-static int find_starts(const tet_keyed *x, size_t n, int d, size_t start[BUCKETS + 1]) {
-  memset(start, 0, (BUCKETS + 1) * sizeof *start);
-  for (size_t i = 0; i < n; i++) start[digit_of(x[i].key, d) + 1]++;
-  int is_one = n && start[digit_of(x[0].key, d) + 1] == n;
-  for (int b = 0; b < BUCKETS; b++) start[b + 1] += start[b];
-  return is_one;
-}
-
-/* Digit after digit, the lowest first. */
-static void sort_digits(tet_keyed *items, tet_keyed *scratch, size_t n) {
-  size_t start[BUCKETS + 1];
-  tet_keyed *from = items, *to = scratch;
-  for (int d = 0; d < DIGITS; d++) {
-    if (find_starts(from, n, d, start)) continue;
-    for (size_t i = 0; i < n; i++) to[start[digit_of(from[i].key, d)]++] = from[i];
-    tet_keyed *other = from;
-    from = to;
-    to = other;
+/* Sorts the n items of `from`, whose keys differ in their lowest `bits` bits alone, into `to`, or where they
+ * are; the other place is scratch. */
+static void sort_digits(tet_keyed *from, tet_keyed *to, size_t n, int bits, int is_moving) {
+  size_t start[(1 << WIDE) + 1];
+  if (n < FEW || bits == 0) {
+    tet_sort_keyed(from, n);
+    if (is_moving) memcpy(to, from, n * sizeof *to);
+    return;
   }
-  if (from != items) memcpy(items, from, n * sizeof *items);
+  int width = n < MANY ? NARROW : WIDE, shift = bits > width ? bits - width : 0;
+  uint32_t buckets = 1u << (bits - shift), mask = buckets - 1;
+  memset(start, 0, (buckets + 1) * sizeof *start);
+  for (size_t i = 0; i < n; i++) start[digit_of(from + i, shift, mask) + 1]++;
+  for (uint32_t b = 0; b < buckets; b++) start[b + 1] += start[b];
+  for (size_t i = 0; i < n; i++) to[start[digit_of(from + i, shift, mask)]++] = from[i];
+  for (uint32_t b = 0; b < buckets; b++) { /* now start[b] is where b ends */
+    size_t first = b ? start[b - 1] : 0;
+    if (start[b] > first) sort_digits(to + first, from + first, start[b] - first, shift, !is_moving);
+  }
 }
 
-typedef struct shares {
+/* What threads share: the first digit's buckets. */
+typedef struct sharing {
   tet_keyed *items, *scratch;
-  size_t end[TET_SORT_THREADS + 1]; /* of share i end[i + 1]; from end[i] on */
-} shares;
+  size_t n;
+  uint32_t threads;
+  size_t at[TET_SORT_THREADS][1 << WIDE]; /* of each thread's items, and where they go */
+  size_t end[1 << WIDE];
+  _Atomic uint32_t next; /* bucket that nobody has taken */
+} sharing;
 
-static void sort_share(void *arg, uint32_t i) {
-  shares *s = arg;
-  size_t at = s->end[i], n = s->end[i + 1] - at;
-  sort_digits(s->scratch + at, s->items + at, n);
-  memcpy(s->items + at, s->scratch + at, n * sizeof *s->items);
+enum { FIRST_SHIFT = 64 - WIDE, FIRST_MASK = (1 << WIDE) - 1 };
+
+static size_t share_of(const sharing *s, uint32_t i) { return (size_t)((unsigned __int128)s->n * i / s->threads); }
+
+static void count_share(void *arg, uint32_t t) {
+  sharing *s = arg;
+  memset(s->at[t], 0, sizeof s->at[t]);
+  for (size_t i = share_of(s, t); i < share_of(s, t + 1); i++) s->at[t][digit_of(s->items + i, FIRST_SHIFT, FIRST_MASK)]++;
+}
+
+static void move_share(void *arg, uint32_t t) {
+  sharing *s = arg;
+  size_t *at = s->at[t];
+  for (size_t i = share_of(s, t), end = share_of(s, t + 1); i < end; i++)
+    s->scratch[at[digit_of(s->items + i, FIRST_SHIFT, FIRST_MASK)]++] = s->items[i];
+}
+
+static void sort_buckets(void *arg, uint32_t t) {
+  sharing *s = arg;
+  (void)t;
+  for (uint32_t from; (from = atomic_fetch_add(&s->next, RUN)) <= FIRST_MASK;)
+    for (uint32_t b = from; b < from + RUN; b++) {
+      size_t first = b ? s->end[b - 1] : 0;
+      if (s->end[b] > first) sort_digits(s->scratch + first, s->items + first, s->end[b] - first, FIRST_SHIFT, 1);
+    }
 }
 
 void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n, uint32_t threads) {
-  size_t start[BUCKETS + 1];
-  shares s = {.items = items, .scratch = scratch};
-  if (threads > TET_SORT_THREADS) threads = TET_SORT_THREADS;
-  if (threads < 2 || find_starts(items, n, DIGITS - 1, start)) {
-    sort_digits(items, scratch, n);
+  if (threads < 2 || n < MANY) {
+    sort_digits(items, scratch, n, 64, 0);
     return;
   }
-  /* Whole buckets of the highest digit, about as many items to each thread. */
-  for (int b = 0, i = 1; b < BUCKETS; b++)
-    while (i < (int)threads && start[b + 1] >= n / threads * (size_t)i) s.end[i++] = start[b + 1];
-  s.end[threads] = n;
-  for (size_t i = 0; i < n; i++) scratch[start[digit_of(items[i].key, DIGITS - 1)]++] = items[i];
-  tet_run_threads(threads, sort_share, &s);
+  sharing s = {.items = items, .scratch = scratch, .n = n, .threads = threads < TET_SORT_THREADS ? threads : TET_SORT_THREADS};
+  size_t sum = 0;
+  tet_run_threads(s.threads, count_share, &s);
+  for (uint32_t b = 0; b <= FIRST_MASK; b++) {
+    for (uint32_t t = 0; t < s.threads; t++) {
+      size_t count = s.at[t][b];
+      s.at[t][b] = sum;
+      sum += count;
+    }
+    s.end[b] = sum;
+  }
+  tet_run_threads(s.threads, move_share, &s);
+  tet_run_threads(s.threads, sort_buckets, &s);
 }

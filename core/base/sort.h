@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TET_SORT_THREADS = 64 }; /* at most */
+enum { TET_SORT_THREADS = 16 }; /* at most */
 
 typedef struct tet_keyed {
   uint64_t key;
@@ -19,8 +19,8 @@ typedef struct tet_keyed {
 /* Sorts `n` items by (key, value). n log n in the worst case. */
 void tet_sort_keyed(tet_keyed *items, size_t n);
 
-/* Sorts `n` items by key alone, keeping the order of equal ones; `scratch` holds `n` more.
- * Time in proportion to n, shared by `threads`: for many items. */
+/* The same for many items, shared by `threads` (any number): `scratch` holds `n` more. Time in
+ * proportion to n where not many keys are equal. */
 void tet_sort_radix(tet_keyed *items, tet_keyed *scratch, size_t n, uint32_t threads);
 
 #endif

@@ -23,18 +23,9 @@
 
 #include <math.h>
 
+#include "base/processor.h"
 #include "base/vector.h"
 #include "exact/filter.h"
-
-/* What a processor may have is used only where it is asked for (tet_has_avx2). */
-#if defined(__x86_64__)
-#include <immintrin.h>
-#define TET_HAVE_AVX2 1
-#define TET_AVX2 __attribute__((target("avx2,fma")))
-static inline int tet_has_avx2(void) { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
-#else
-#define TET_HAVE_AVX2 0
-#endif
 
 enum { TET_UNSURE = 2 };
 

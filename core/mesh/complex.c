@@ -14,6 +14,7 @@ void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points) {
   memset(c, 0, sizeof *c);
   c->ctx = ctx;
   c->points = points;
+  c->mine[0] = 1;
   tet_complex_clear(c);
 }
 

@@ -30,11 +30,12 @@ enum {
   TET_FLAG_FREE = 1,   /* the slot is unused */
   TET_FLAG_CAVITY = 2, /* in the cavity that is being filled */
   TET_FLAG_MARK = 4,   /* for searches; clear when they end */
-  TET_FLAG_OWNER = 8   /* times the number of the thread that may change it */
+  TET_FLAG_OWNER = 8,  /* times a number, by which threads know what they may change */
+  TET_OWNER_BITS = 0xff & ~(TET_FLAG_OWNER - 1)
 };
 
 enum {
-  TET_MOST_THREADS = 31, /* one number more stands for "nobody" */
+  TET_MOST_THREADS = 16, /* half of the owners' numbers */
   TET_SMALL_STAR = 64    /* vertices of a cavity's border that the small edge table holds */
 };
 
@@ -74,7 +75,8 @@ typedef struct tet_complex {
   uint32_t last;       /* where the last walk ended */
   uint32_t random;     /* of the walk */
   tet_slot_pool *pool; /* where a thread among several gets its slots; else NULL */
-  uint8_t owner;       /* TET_FLAG_OWNER times this thread's number; 0: all is its own */
+  uint8_t owner;       /* TET_FLAG_OWNER times the number of new tetrahedra; 0 but for several threads */
+  uint8_t mine[256];   /* 1: tetrahedra with these flags are this thread's, and in no search */
   uint8_t keep_old;    /* 1: insertions fill `old` */
   uint8_t is_walled;   /* 1: a domain's, with walls and without ghosts */
   uint8_t is_canonical; /* 1: bulk insertion is to leave slots that do not depend on threads */
@@ -180,8 +182,8 @@ tet_status tet_complex_reserve_places(tet_complex *c, uint32_t n);
 static inline int tet_is_ghost(const tet_complex *c, uint32_t t) { return c->v[4 * (size_t)t + 3] == TET_GHOST; }
 static inline int tet_is_live(const tet_complex *c, uint32_t t) { return !(c->flag[t] & TET_FLAG_FREE); }
 
-/* The flags of t, which may be another thread's: such a one has another owner, whatever else
- * it is. Only the owner changes them. */
+/* The flags of t, which may be another thread's: such a one has an owner's number that is not
+ * mine, whatever else it is. Only the owner changes them. */
 static inline uint8_t tet_flag(const tet_complex *c, uint32_t t) { return __atomic_load_n(&c->flag[t], __ATOMIC_RELAXED); }
 static inline void tet_set_flag(tet_complex *c, uint32_t t, uint8_t flag) {
   __atomic_store_n(&c->flag[t], flag, __ATOMIC_RELAXED);

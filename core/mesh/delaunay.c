@@ -38,25 +38,39 @@ static uint32_t mix(uint32_t x) {
 
 typedef struct ordering {
   const double *x;
-  const uint32_t *ids;
+  uint32_t *ids;
   tet_hilbert_box box;
   tet_keyed *item;
   uint32_t n, threads, rounds;
+  uint32_t at[TET_MOST_THREADS][33]; /* of each thread's share, the vertices in a round; then where they go */
 } ordering;
 
-/* Keys, and rounds in the upper half of values, of one thread's share. */
-static void set_keys(void *arg, uint32_t i) {
+static uint32_t round_of(const ordering *o, uint32_t id) {
+  uint32_t h = mix(id), level = (h ? (uint32_t)__builtin_ctz(h) : 31) / ROUND_BITS;
+  return level >= o->rounds ? 0 : o->rounds - 1 - level;
+}
+
+static void count_rounds(void *arg, uint32_t share) {
+  ordering *o = arg;
+  uint32_t end = tet_part(o->n, o->threads, share + 1);
+  for (uint32_t i = tet_part(o->n, o->threads, share); i < end; i++) o->at[share][round_of(o, o->ids[i])]++;
+}
+
+/* Keys, in the places of their rounds. */
+static void set_keys(void *arg, uint32_t share) {
   ordering *o = arg;
   uint64_t key[KEYS];
-  for (uint32_t at = tet_part(o->n, o->threads, i), end = tet_part(o->n, o->threads, i + 1); at < end;) {
-    uint32_t count = end - at < KEYS ? end - at : KEYS;
-    tet_hilbert_keys(&o->box, o->x, o->ids + at, count, key);
-    for (uint32_t k = 0; k < count; k++, at++) {
-      uint32_t h = mix(o->ids[at]), level = (h ? (uint32_t)__builtin_ctz(h) : 31) / ROUND_BITS;
-      uint64_t round = level >= o->rounds ? 0 : o->rounds - 1 - level;
-      o->item[at] = (tet_keyed){key[k], round << 32 | o->ids[at]};
-    }
+  for (uint32_t i = tet_part(o->n, o->threads, share), end = tet_part(o->n, o->threads, share + 1); i < end;) {
+    uint32_t count = end - i < KEYS ? end - i : KEYS;
+    tet_hilbert_keys(&o->box, o->x, o->ids + i, count, key);
+    for (uint32_t k = 0; k < count; k++, i++) o->item[o->at[share][round_of(o, o->ids[i])]++] = (tet_keyed){key[k], o->ids[i]};
   }
+}
+
+static void set_ids(void *arg, uint32_t share) {
+  ordering *o = arg;
+  uint32_t end = tet_part(o->n, o->threads, share + 1);
+  for (uint32_t i = tet_part(o->n, o->threads, share); i < end; i++) o->ids[i] = (uint32_t)o->item[i].value;
 }
 
 /* Sorts ids by round, and inside a round along the curve. */
@@ -67,17 +81,24 @@ static tet_status order_rounds(tet_complex *c, uint32_t *ids, uint32_t n, uint32
   tet_keyed *scratch = tet_alloc(c->ctx, n, sizeof *scratch);
   tet_status status = o.item && scratch ? TET_OK : tet_ctx_error(c->ctx)->status;
   if (status == TET_OK) {
-    uint32_t at[33] = {0};
+    uint32_t sum = 0;
     o.box = tet_hilbert_bound(o.x, ids, n);
-    tet_run_threads(threads, set_keys, &o);
-    tet_sort_radix(o.item, scratch, n, threads);
-    /* a stable counting sort by round */
-    for (uint32_t i = 0; i < n; i++) at[(o.item[i].value >> 32) + 1]++;
-    for (uint32_t r = 0; r < 32; r++) at[r + 1] += at[r];
+    tet_run_threads(threads, count_rounds, &o);
     rounds->n = o.rounds;
     rounds->box = o.box;
-    for (uint32_t r = 0; r <= o.rounds; r++) rounds->start[r] = at[r];
-    for (uint32_t i = 0; i < n; i++) ids[at[o.item[i].value >> 32]++] = (uint32_t)o.item[i].value;
+    for (uint32_t r = 0; r < o.rounds; r++) {
+      rounds->start[r] = sum;
+      for (uint32_t i = 0; i < threads; i++) {
+        uint32_t count = o.at[i][r];
+        o.at[i][r] = sum;
+        sum += count;
+      }
+    }
+    rounds->start[o.rounds] = n;
+    tet_run_threads(threads, set_keys, &o);
+    for (uint32_t r = 0; r < o.rounds; r++)
+      tet_sort_radix(o.item + rounds->start[r], scratch, rounds->start[r + 1] - rounds->start[r], threads);
+    tet_run_threads(threads, set_ids, &o);
   }
   tet_free(c->ctx, o.item);
   tet_free(c->ctx, scratch);

@@ -23,9 +23,16 @@ typedef enum outcome {
   ELSEWHERE /* a tetrahedron of another thread */
 } outcome;
 
+/* Whose tetrahedra a search meets. */
+typedef enum kind {
+  ALONE,  /* one thread's */
+  WALLED, /* one thread's, with walls and TET_NONE beyond the boundary */
+  SHARED  /* several threads' */
+} kind;
+
 enum {
   STEP = 4, /* what one tetrahedron can add to the lists */
-  OWNER_BITS = 0xff & ~(TET_FLAG_OWNER - 1)
+  SEARCH = TET_FLAG_CAVITY | TET_FLAG_MARK
 };
 
 tet_status tet_complex_first(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t e) {
@@ -66,7 +73,7 @@ enum { UNASKED = 2 }; /* neither in conflict nor not: another thread would have 
 
 /* tet_complex_conflict of a tetrahedron of this thread, or UNASKED. */
 static int owned_conflict(const tet_complex *c, uint32_t t, uint32_t p) {
-  if (tet_is_ghost(c, t) && (tet_flag(c, c->adj[4 * (size_t)t + 3] >> 2) & OWNER_BITS) != c->owner) return UNASKED;
+  if (tet_is_ghost(c, t) && !c->mine[tet_flag(c, c->adj[4 * (size_t)t + 3] >> 2) & TET_OWNER_BITS]) return UNASKED;
   return tet_complex_conflict(c, t, p);
 }
 
@@ -107,14 +114,18 @@ static inline void look_ahead(const tet_complex *c, uint32_t t) {
   }
 }
 
-/* Goes on with the search for the cavity of p from its *k-th tetrahedron; is_walled says
- * whether there are walls and TET_NONE, or several threads. */
+/* 1 if a tetrahedron with these flags is to be tested: this thread's and not yet met. */
+static inline __attribute__((always_inline)) int is_new(const tet_complex *c, uint8_t flags, kind in) {
+  return in == SHARED ? c->mine[flags] : in == WALLED ? !(flags & SEARCH) : flags == 0;
+}
+
+/* Goes on with the search for the cavity of p from its *k-th tetrahedron. */
 static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, tet_quick_look *look,
-                                                            int is_walled) {
+                                                            kind in) {
   const uint32_t *adj = c->adj;
   for (; *k < c->n_cavity; ++*k) {
     if (c->cap_cavity - c->n_cavity < STEP || c->cap_border - c->n_border < STEP) return ROOM;
-    uint32_t t = c->cavity[*k], wall = is_walled ? c->wall[t] : 0;
+    uint32_t t = c->cavity[*k], wall = in == WALLED ? c->wall[t] : 0;
     const uint32_t *v = c->v + 4 * (size_t)t;
     uint32_t handle[4], untested[4], n_untested = 0;
     int8_t conflict[4];
@@ -126,8 +137,7 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
     for (uint32_t i = 0; i < 4; i++) {
       if (wall >> i & 1) continue;
       untested[n_untested] = i;
-      n_untested += is_walled ? !(c->flag[handle[i] >> 2] & (TET_FLAG_CAVITY | TET_FLAG_MARK))
-                              : tet_flag(c, handle[i] >> 2) == c->owner;
+      n_untested += is_new(c, tet_flag(c, handle[i] >> 2), in);
     }
     for (uint32_t m = 0; m < n_untested; m++)
       conflict[untested[m]] = (int8_t)in_conflict(c, handle[untested[m]] >> 2, p, look);
@@ -138,8 +148,8 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
         continue;
       }
       uint8_t f = tet_flag(c, o);
-      if (is_walled ? !(f & (TET_FLAG_CAVITY | TET_FLAG_MARK)) : f == c->owner) {
-        if (conflict[i] == UNASKED) return ELSEWHERE;
+      if (is_new(c, f, in)) {
+        if (in == SHARED && conflict[i] == UNASKED) return ELSEWHERE;
         if (conflict[i]) {
           tet_set_flag(c, o, f | TET_FLAG_CAVITY);
           c->cavity[c->n_cavity++] = o;
@@ -147,7 +157,7 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
           continue;
         }
         tet_set_flag(c, o, f | TET_FLAG_MARK);
-      } else if (!is_walled && (f & OWNER_BITS) != c->owner) {
+      } else if (in == SHARED && !c->mine[f & TET_OWNER_BITS]) {
         return ELSEWHERE;
       } else if (f & TET_FLAG_CAVITY) {
         continue;
@@ -159,23 +169,52 @@ static inline __attribute__((always_inline)) outcome search(tet_complex *c, size
   return DONE;
 }
 
-static outcome search_any(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, NULL, 0); }
-static outcome search_explicit(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, tet_quick_insphere, 0); }
-static outcome search_walled(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, tet_quick_insphere, 1); }
+typedef outcome search_fn(tet_complex *c, size_t *k, uint32_t p);
+
+static outcome search_any(tet_complex *c, size_t *k, uint32_t p) { return search(c, k, p, NULL, ALONE); }
+static outcome search_explicit(tet_complex *c, size_t *k, uint32_t p) {
+  return search(c, k, p, tet_quick_insphere, ALONE);
+}
+static outcome search_walled(tet_complex *c, size_t *k, uint32_t p) {
+  return search(c, k, p, tet_quick_insphere, WALLED);
+}
+static outcome search_shared(tet_complex *c, size_t *k, uint32_t p) {
+  return search(c, k, p, tet_quick_insphere, SHARED);
+}
 #if TET_HAVE_AVX2
 TET_AVX2 static outcome search_avx2(tet_complex *c, size_t *k, uint32_t p) {
-  return search(c, k, p, tet_quick_insphere_avx2, 0);
+  return search(c, k, p, tet_quick_insphere_avx2, ALONE);
 }
 TET_AVX2 static outcome search_walled_avx2(tet_complex *c, size_t *k, uint32_t p) {
-  return search(c, k, p, tet_quick_insphere_avx2, 1);
+  return search(c, k, p, tet_quick_insphere_avx2, WALLED);
 }
+TET_AVX2 static outcome search_shared_avx2(tet_complex *c, size_t *k, uint32_t p) {
+  return search(c, k, p, tet_quick_insphere_avx2, SHARED);
+}
+#else
+#define search_avx2 search_explicit
+#define search_walled_avx2 search_walled
+#define search_shared_avx2 search_shared
 #endif
 
-/* Takes the marks of an abandoned search away. */
+/* The search of this kind for this processor. */
+static search_fn *search_for(const tet_complex *c, kind in) {
+  static search_fn *const all[][2] = {{search_explicit, search_avx2},
+                                      {search_walled, search_walled_avx2},
+                                      {search_shared, search_shared_avx2}};
+  if (c->points->first_implicit < c->points->n && in == ALONE) return search_any;
+  return all[in][TET_HAVE_AVX2 && tet_has_avx2()];
+}
+
+/* Takes the marks of a search away from t; what is one thread's has no others. */
+static inline void end_search(tet_complex *c, uint32_t t) {
+  tet_set_flag(c, t, c->pool ? tet_flag(c, t) & TET_OWNER_BITS : 0);
+}
+
 void tet_complex_forget(tet_complex *c) {
-  for (size_t k = 0; k < c->n_cavity; k++) tet_set_flag(c, c->cavity[k], c->owner);
+  for (size_t k = 0; k < c->n_cavity; k++) end_search(c, c->cavity[k]);
   for (size_t k = 0; k < c->n_border; k++)
-    if (c->border[k].outer != TET_NONE) tet_set_flag(c, c->border[k].outer >> 2, c->owner);
+    if (c->border[k].outer != TET_NONE) end_search(c, c->border[k].outer >> 2);
   c->n_cavity = c->n_border = 0;
 }
 
@@ -187,18 +226,14 @@ static tet_status make_room(tet_complex *c) {
 }
 
 /* The cavity of p around t, which is in conflict with it. */
-static outcome collect(tet_complex *c, uint32_t t, uint32_t p, size_t *k) {
+static outcome collect(tet_complex *c, uint32_t t, uint32_t p, size_t *k, kind in) {
   if (*k == 0) {
     c->n_border = 0;
     c->n_cavity = 1;
     c->cavity[0] = t;
-    tet_set_flag(c, t, c->owner | TET_FLAG_CAVITY);
+    tet_set_flag(c, t, tet_flag(c, t) | TET_FLAG_CAVITY);
   }
-  if (c->points->first_implicit < c->points->n) return search_any(c, k, p);
-#if TET_HAVE_AVX2
-  if (tet_has_avx2()) return search_avx2(c, k, p);
-#endif
-  return search_explicit(c, k, p);
+  return search_for(c, in)(c, k, p);
 }
 
 /* The number of vertex v in the small table. Numbers are given as vertices come, without a
@@ -282,7 +317,7 @@ static tet_status make_map(tet_complex *c) {
 
 /* Replaces the cavity by tetrahedra from the vertex to its border, in the slots c->cavity has now
  * one for each of. */
-static inline __attribute__((always_inline)) void fill(tet_complex *c, int is_walled) {
+static inline __attribute__((always_inline)) void fill(tet_complex *c, kind in) {
   uint32_t *slot = c->cavity;
   for (size_t k = 0; k < c->n_border; k++) {
     const tet_border *b = &c->border[k];
@@ -290,11 +325,11 @@ static inline __attribute__((always_inline)) void fill(tet_complex *c, int is_wa
     memcpy(c->v + 4 * (size_t)n, b->v, sizeof b->v);
     tet_set_flag(c, n, c->owner);
     c->adj[h] = b->outer;
-    if (is_walled && b->outer == TET_NONE) continue;
-    tet_set_flag(c, b->outer >> 2, c->owner);
+    if (in == WALLED && b->outer == TET_NONE) continue;
+    tet_set_flag(c, b->outer >> 2, in == SHARED ? tet_flag(c, b->outer >> 2) & TET_OWNER_BITS : 0);
     c->adj[b->outer] = h;
   }
-  if (is_small(c)) join_small(c, slot, is_walled);
+  if (is_small(c)) join_small(c, slot, in == WALLED);
   else join_large(c, slot);
   for (size_t k = c->n_border; k < c->n_cavity; k++) tet_complex_delete(c, slot[k]);
   c->last = slot[0];
@@ -344,9 +379,9 @@ tet_status tet_complex_insert(tet_complex *c, uint32_t p, uint32_t from) {
   if (status != TET_OK) return status;
   if (is_taken(c, t, p)) return tet_internal(c->ctx, "a vertex where another is");
   if (!found && !tet_complex_conflict(c, t, p)) return tet_internal(c->ctx, "a located vertex without conflict");
-  while (status == TET_OK && collect(c, t, p, &k) == ROOM) status = make_room(c);
+  while (status == TET_OK && collect(c, t, p, &k, ALONE) == ROOM) status = make_room(c);
   if (status == TET_OK) status = prepare(c);
-  if (status == TET_OK) fill(c, 0);
+  if (status == TET_OK) fill(c, ALONE);
   else tet_complex_forget(c);
   return status;
 }
@@ -363,13 +398,13 @@ tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
   uint32_t t = c->last = tet_complex_approach(c, c->last, p);
   *ret_done = 0;
   if (is_taken(c, t, p) || owned_conflict(c, t, p) != 1) return TET_OK;
-  if (collect(c, t, p, &k) != DONE || !has_room(c)) {
+  if (collect(c, t, p, &k, SHARED) != DONE || !has_room(c)) {
     tet_complex_forget(c);
     return TET_OK;
   }
   tet_status status = prepare(c);
   if (status != TET_OK) return status;
-  fill(c, 0);
+  fill(c, SHARED);
   *ret_done = 1;
   return TET_OK;
 }
@@ -378,20 +413,12 @@ tet_status tet_complex_grow(tet_complex *c, uint32_t p) {
   size_t k = 0;
   tet_status status = TET_OK;
   c->n_border = 0;
-  for (;;) {
-#if TET_HAVE_AVX2
-    outcome o = tet_has_avx2() ? search_walled_avx2(c, &k, p) : search_walled(c, &k, p);
-#else
-    outcome o = search_walled(c, &k, p);
-#endif
-    if (o == DONE) return TET_OK;
-    status = make_room(c);
-    if (status != TET_OK) return status;
-  }
+  while (status == TET_OK && search_for(c, WALLED)(c, &k, p) == ROOM) status = make_room(c);
+  return status;
 }
 
 tet_status tet_complex_fill(tet_complex *c) {
   tet_status status = prepare(c);
-  if (status == TET_OK) fill(c, 1);
+  if (status == TET_OK) fill(c, WALLED);
   return status;
 }

@@ -24,7 +24,7 @@ static uint32_t start(const tet_complex *c, uint32_t from) {
   uint32_t t = from != TET_NONE ? from : c->last;
   if (!tet_is_ghost(c, t)) return t;
   uint32_t inner = c->adj[4 * (size_t)t + 3] >> 2;
-  return tet_flag(c, inner) == c->owner ? inner : t;
+  return c->mine[tet_flag(c, inner)] ? inner : t;
 }
 
 uint32_t tet_complex_approach(tet_complex *c, uint32_t from, uint32_t p) {
@@ -37,7 +37,7 @@ uint32_t tet_complex_approach(tet_complex *c, uint32_t from, uint32_t p) {
       const uint8_t *f = tet_face[i];
       if (i == entered) continue;
       if (tet_rough_orient3d(x + 3 * (size_t)v[f[0]], x + 3 * (size_t)v[f[1]], x + 3 * (size_t)v[f[2]], xp) > 0 &&
-          tet_flag(c, adj[i] >> 2) == c->owner) break;
+          c->mine[tet_flag(c, adj[i] >> 2)]) break;
     }
     if (i == 4) break;
     t = adj[i] >> 2;
