@@ -35,7 +35,8 @@ enum {
 };
 
 enum {
-  TET_MOST_THREADS = 16, /* half of the owners' numbers */
+  TET_OWNERS = 32,       /* numbers that the flags have room for */
+  TET_MOST_THREADS = 31, /* with one of them at least */
   TET_SMALL_STAR = 64    /* vertices of a cavity's border that the small edge table holds */
 };
 

@@ -16,7 +16,7 @@
 #include "base/threads.h"
 
 enum {
-  CHUNKS = 2 * TET_MOST_THREADS, /* at most */
+  CHUNKS = TET_OWNERS, /* at most */
   SCRATCH = 1024, /* most old tetrahedra and border faces of a cavity that a thread changes */
   WORTH = 512,    /* vertices for each thread that make a second pass worth starting it */
   STEP = 16,      /* of the tetrahedra that are taken for hints */

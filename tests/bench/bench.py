@@ -133,7 +133,7 @@ def removal(b):
 def threads(b):
     points = b.sized(4_000_000)
     most = len(os.sched_getaffinity(0))
-    counts = [1] + [n for n in (2, 4, 8, 16) if n <= most]
+    counts = [1] + [n for n in (2, 4, 8, 16, 31) if n <= most]
     print(f"Threads, cube {points}, wall seconds (medians and least of {b.repeat})")
     results = b.turns(*[lambda n=n: b.kernel("cube", points, n) for n in counts])
     for n, rows in zip(counts, results):
