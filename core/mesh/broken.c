@@ -5,6 +5,22 @@
 #include "exact/quick.h"
 #include "mesh/complex.h"
 
+enum { FAR = 16, NEAR = 8 }; /* slots ahead */
+
+/* Has the memory for slots soon to come brought near: what is beyond the faces, then the places of
+ * the vertices. */
+static inline void look_ahead(const tet_complex *c, uint32_t t, uint32_t end) {
+  if (end - t <= FAR) return;
+  const uint32_t *far = c->adj + 4 * (size_t)(t + FAR), *adj = c->adj + 4 * (size_t)(t + NEAR);
+  const uint32_t *v = c->v + 4 * (size_t)(t + NEAR);
+  for (int i = 0; i < 4; i++) {
+    if (far[i] != TET_NONE) __builtin_prefetch(c->v + far[i]);
+    if (!tet_is_live(c, t + NEAR)) continue;
+    __builtin_prefetch(c->points->x + 3 * (size_t)v[i]);
+    if (adj[i] != TET_NONE) __builtin_prefetch(c->points->x + 3 * (size_t)c->v[adj[i]]);
+  }
+}
+
 /* Those of tetrahedron t that have the lower handle on its side. */
 static inline __attribute__((always_inline)) uint32_t broken_at(const tet_complex *c, uint32_t t, tet_quick_look *look) {
   const uint32_t *v = c->v + 4 * (size_t)t, *adj = c->adj + 4 * (size_t)t;
@@ -23,16 +39,20 @@ static inline __attribute__((always_inline)) uint32_t broken_at(const tet_comple
 
 static uint64_t broken_in(const tet_complex *c, uint32_t from, uint32_t end) {
   uint64_t n = 0;
-  for (uint32_t t = from; t < end; t++)
+  for (uint32_t t = from; t < end; t++) {
+    look_ahead(c, t, end);
     if (tet_is_live(c, t)) n += broken_at(c, t, tet_quick_insphere);
+  }
   return n;
 }
 
 #if TET_HAVE_AVX2
 TET_AVX2 static uint64_t broken_in_avx2(const tet_complex *c, uint32_t from, uint32_t end) {
   uint64_t n = 0;
-  for (uint32_t t = from; t < end; t++)
+  for (uint32_t t = from; t < end; t++) {
+    look_ahead(c, t, end);
     if (tet_is_live(c, t)) n += broken_at(c, t, tet_quick_insphere_avx2);
+  }
   return n;
 }
 #endif
