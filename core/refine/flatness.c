@@ -27,6 +27,21 @@ int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment) {
   return v == s->a || v == s->b || (r->out->origin[v] == TET_ORIGIN_SEGMENT && r->out->carrier[v] == segment);
 }
 
+/* 1 if the segments have an end in common. */
+int refine_segments_meet(const refiner *r, uint32_t s, uint32_t t) {
+  const tet_segment *f = &r->out->segment[s], *g = &r->out->segment[t];
+  return f->a == g->a || f->a == g->b || f->b == g->a || f->b == g->b;
+}
+
+/* 1 if the facets have a vertex of the CDT in common. */
+int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g) {
+  const uint32_t *start = r->facet_vertex_start;
+  if (start[f + 1] - start[f] > start[g + 1] - start[g]) return refine_facets_meet(r, g, f);
+  for (uint32_t i = start[f]; i < start[f + 1]; i++)
+    if (refine_on_facet(r, r->facet_vertex[i], g)) return 1;
+  return 0;
+}
+
 static int all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet) {
   return refine_on_facet(r, v[0], facet) && refine_on_facet(r, v[1], facet) && refine_on_facet(r, v[2], facet) &&
          refine_on_facet(r, v[3], facet);

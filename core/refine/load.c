@@ -217,7 +217,7 @@ static tet_status tabulate(refiner *r, uint32_t n_owners, const uint32_t *pairs,
   return TET_OK;
 }
 
-/* Which facets each vertex and each segment lies on. */
+/* Which facets each vertex and each segment lies on, and the vertices of each facet. */
 static tet_status tabulate_facets(refiner *r, const uint32_t *facet) {
   size_t n = 3 * (size_t)r->n_subs, m = 0;
   uint32_t *pairs = tet_alloc(r->ctx, 2 * n, sizeof *pairs);
@@ -227,6 +227,11 @@ static tet_status tabulate_facets(refiner *r, const uint32_t *facet) {
     pairs[2 * h + 1] = facet[h / 3];
   }
   tet_status status = tabulate(r, r->points.n, pairs, n, &r->vertex_facet_start, &r->vertex_facet);
+  for (size_t h = 0; h < n; h++) {
+    pairs[2 * h] = facet[h / 3];
+    pairs[2 * h + 1] = r->sub_v[h];
+  }
+  if (!status) status = tabulate(r, r->out->n_facets, pairs, n, &r->facet_vertex_start, &r->facet_vertex);
   for (size_t h = 0; h < n; h++)
     if (r->sub_seg[h] != TET_NONE) {
       pairs[2 * m] = r->seg_of[r->sub_seg[h]];

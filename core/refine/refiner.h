@@ -162,6 +162,7 @@ typedef struct refiner {
   uint8_t *acute_end;            /* [first vertices] 1: end of segments below 60 degrees */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
   uint32_t *segment_facet_start, *segment_facet; /* [segment] facets at each */
+  uint32_t *facet_vertex_start, *facet_vertex;   /* [facet] first vertices on each */
 
   refine_cavity cavity;
   refine_list hit_segs, hit_subs; /* encroached by a candidate */
@@ -235,6 +236,8 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n);
 
 /* flatness.c: three points of a segment, four of a facet, by incidence. */
 int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment);
+int refine_segments_meet(const refiner *r, uint32_t s, uint32_t t);
+int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g);
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
 int refine_is_positive(const refiner *r, const uint32_t v[4]);

@@ -226,9 +226,18 @@ int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint3
   return 1;
 }
 
-/* 1 if p, the grown cavity's point, is closer to another segment than `crowd` times
- * its distance from `vertices`, or to another facet than `crowd_facets` times: inserted there, it would have its
- * image in that one split as well, and leave an edge as short as the gap. */
+/* 1 if Steiner point p is not on the facet, but on a segment or a facet that meets it. */
+static int is_neighbour(const refiner *r, uint32_t p, uint32_t facet) {
+  if (refine_on_facet(r, p, facet)) return 0;
+  uint32_t carrier = r->out->carrier[p];
+  if (r->out->origin[p] == TET_ORIGIN_FACET) return refine_facets_meet(r, carrier, facet);
+  return refine_on_facet(r, r->out->segment[carrier].a, facet) || refine_on_facet(r, r->out->segment[carrier].b, facet);
+}
+
+/* 1 if p, the grown cavity's point, is closer to another segment than `crowd` times its distance
+ * from `vertices`, or to another facet than that or `crowd_facets` times: inserted there, it would have its image in
+ * that one split as well, and leave an edge as short as the gap. Only those that meet its
+ * own segment or facet count: the gap to others is bounded by lfs. */
 int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
   const refine_cavity *c = &r->cavity;
   const double *x = refine_x(r, c->p);
@@ -248,15 +257,16 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
     for (int e = 0; e < 6 && r->tet_edges[t] & EDGES; e++) {
       if (!(r->tet_edges[t] >> e & 1)) continue;
       uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-      if (edge_distance2(refine_x(r, a), refine_x(r, b), x) < room && r->seg_of[refine_find_seg(r, a, b)] != own)
-        return 1;
+      if (!(edge_distance2(refine_x(r, a), refine_x(r, b), x) < room)) continue;
+      uint32_t other = r->seg_of[refine_find_seg(r, a, b)];
+      if (own == TET_NONE || (other != own && refine_segments_meet(r, own, other))) return 1;
     }
     for (uint32_t i = 0; i < 4; i++) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint32_t *w = r->sub_v + 3 * (size_t)s;
       if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < wide &&
-          !refine_on_facet(r, c->p, r->patch[r->sub_patch[s]].facet))
+          is_neighbour(r, c->p, r->patch[r->sub_patch[s]].facet))
         return 1;
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Laws of refinement on prisms from a seed: without a sharp angle there is no
+/* Laws of refinement on pyramids, and on prisms from a seed: without a sharp angle there is no
  * exception, and the mesh is boundary conforming Delaunay; with one it is an exact
  * CDT; and twice the same. */
 #include "refine/refine.h"
@@ -54,6 +54,44 @@ static void without_sharp_angles(void **state) {
   }
 }
 
+static double shortest_edge(const tet_pieces *p) {
+  double least = INFINITY;
+  for (uint32_t t = 0; t < p->n_tets; t++)
+    for (int i = 0; i < 4; i++)
+      for (int j = 0; j < i; j++) {
+        double sum = 0;
+        for (int k = 0; k < 3; k++) {
+          double d = p->points[3 * p->tets[4 * t + (uint32_t)i] + (uint32_t)k] - p->points[3 * p->tets[4 * t + (uint32_t)j] + (uint32_t)k];
+          sum += d * d;
+        }
+        least = fmin(least, sqrt(sum));
+      }
+  return least;
+}
+
+/* Where segments meet at a tip, what one is cut for forces cuts of the next, all around it: they
+ * do not come closer to it for that. */
+static void around_a_tip(void **state) {
+  (void)state;
+  for (uint32_t n = 5; n < 11; n++)
+    for (double degrees = 25; degrees < 345. / n; degrees += 2) {
+      tet_ctx *ctx;
+      solid s;
+      tet_build_result built;
+      tet_refine_result r;
+      solid_pyramid(&s, n, degrees);
+      assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+      assert_int_equal(solid_build(ctx, &s, &built), TET_OK);
+      double before = shortest_edge(&built.pieces);
+      tet_build_result_free(ctx, &built);
+      refine(ctx, &s, 0, &built, &r);
+      assert_true(shortest_edge(&built.pieces) > before / 4);
+      tet_refine_result_free(ctx, &r);
+      tet_build_result_free(ctx, &built);
+      tet_ctx_free(ctx);
+    }
+}
+
 static void with_sharp_angles(void **state) {
   uint64_t random = *(uint64_t *)*state;
   for (int i = 0; i < 12; i++) {
@@ -85,6 +123,7 @@ int main(void) {
   uint64_t seed = given ? strtoull(given, NULL, 10) : 20260101;
   print_message("seed %llu\n", (unsigned long long)seed);
   const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(without_sharp_angles, &seed),
-                                     cmocka_unit_test_prestate(with_sharp_angles, &seed)};
+                                     cmocka_unit_test_prestate(with_sharp_angles, &seed),
+                                     cmocka_unit_test(around_a_tip)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

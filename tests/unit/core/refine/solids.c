@@ -48,6 +48,28 @@ void solid_wedge(solid *s, double degrees, double height) {
   solid_prism(s, 3, base, height, unturned);
 }
 
+void solid_pyramid(solid *s, uint32_t n, double degrees) {
+  double radius = sin(degrees * M_PI / 360) / sin(M_PI / n), height = sqrt(1 - radius * radius);
+  memset(s, 0, sizeof *s);
+  uint32_t m = 0;
+  for (uint32_t i = 0; i < n; i++) {
+    double out = radius * (1 + 0.01 * sin(7.3 * i));
+    const double x[3] = {out * cos(2 * M_PI * i / n), out * sin(2 * M_PI * i / n), -height};
+    const uint32_t side[3] = {0, 1 + i, 1 + (i + 1) % n};
+    memcpy(s->points[1 + i], x, sizeof x);
+    s->polygon_start[i] = m;
+    memcpy(s->polygon_vertices + m, side, sizeof side);
+    m += 3;
+  }
+  s->polygon_start[n] = m;
+  for (uint32_t i = 0; i < n; i++) s->polygon_vertices[m++] = 1 + i;
+  s->polygon_start[n + 1] = m;
+  for (int k = 0; k < 3; k++) s->points[n + 1][k] = (k < 2 ? 0.27 : 0.3) * s->points[1][k];
+  s->points[n + 1][2] -= 0.006;
+  s->pls = (tet_pls){.n_points = n + 2, .points = s->points[0], .n_facets = n + 1, .n_polygons = n + 1,
+                     .polygon_start = s->polygon_start, .polygon_vertices = s->polygon_vertices};
+}
+
 tet_status solid_build(tet_ctx *ctx, const solid *s, tet_build_result *ret) {
   const tet_build_options how = {.stage = TET_STAGE_CDT};
   return tet_build(ctx, &s->pls, &how, ret);

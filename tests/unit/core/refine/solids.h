@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* solids.h: prisms, built up to the CDT, for tests of refinement. */
+/* solids.h: prisms and pyramids, built up to the CDT, for tests of refinement. */
 #ifndef TESTS_SOLIDS_H
 #define TESTS_SOLIDS_H
 
@@ -23,6 +23,10 @@ void solid_regular(solid *s, uint32_t n, double height, const double turn[2]);
 
 /* A wedge: a prism over an isosceles triangle of legs 1, whose tip has that angle. */
 void solid_wedge(solid *s, double degrees, double height);
+
+/* A pyramid over a polygon of n sides, about regular, with plane angles of about that many degrees at its tip, and a loose
+ * point in it, close beside one of the edges there. */
+void solid_pyramid(solid *s, uint32_t n, double degrees);
 
 /* Its CDT; the caller frees the result. */
 tet_status solid_build(tet_ctx *ctx, const solid *s, tet_build_result *ret);
