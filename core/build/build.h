@@ -22,6 +22,8 @@ typedef struct tet_build_options {
 typedef struct tet_build_result {
   tet_pieces pieces;
   uint32_t *same_as;   /* [n_input] survivor of a merged duplicate, else itself */
+  uint32_t n_input_facets; /* 0 of the stage delaunay */
+  uint32_t *facet_same_as; /* [n_input_facets] lowest facet merged with it, or that it repeats, else itself */
   double planarity;    /* largest deviation of a polygon from its plane */
   tet_counts counts;   /* of these stages; the others 0 */
 } tet_build_result;

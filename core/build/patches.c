@@ -153,8 +153,10 @@ static tet_status make_facets(joiner *w) {
   const tet_soup *s = w->s;
   tet_surface *r = w->r;
   r->facet = tet_alloc(s->ctx, s->pls->n_facets, sizeof *r->facet);
-  if (!r->facet) return tet_ctx_error(s->ctx)->status;
+  r->facet_same_as = tet_alloc(s->ctx, s->pls->n_facets, sizeof *r->facet_same_as);
+  if (!r->facet || !r->facet_same_as) return tet_ctx_error(s->ctx)->status;
   for (uint32_t f = 0; f < s->pls->n_facets; f++) {
+    r->facet_same_as[f] = root(w, s->repeats[f] != TET_NONE ? s->repeats[f] : f);
     if (s->first[f] == s->first[f + 1] || root(w, f) != f) continue;
     w->row[f] = r->n_facets;
     r->facet[r->n_facets++] = (tet_facet){f, tet_facet_marker(s->pls, f)};

@@ -58,6 +58,7 @@ typedef struct tet_surface {
   uint8_t *used;            /* [n_input] 1: vertex of the triangulation (facet, segment,
                                loose point); survivors only */
   uint32_t *repeats;        /* [n_facets] the earlier input facet that is the same, or TET_NONE */
+  uint32_t *facet_same_as;  /* [n_facets] lowest input facet merged with it, or that it repeats, else itself */
   double planarity;         /* largest distance of a polygon vertex from its facet's plane */
   uint64_t n_duplicates, n_repeated_facets, n_unused;
 } tet_surface;

@@ -88,7 +88,7 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
   if (refined) status = tet_complete_exceptions(ctx, mesh);
   if (status != TET_OK) return status;
   tet_stage_begin(ctx, "audit");
-  status = tet_audit_mesh(ctx, mesh, &report->audit);
+  status = tet_audit_mesh(ctx, options->stage == TET_STAGE_DELAUNAY ? NULL : pls, mesh, &report->audit);
   if (status == TET_OK) status = tet_measure_quality(ctx, mesh, &report->quality);
   if (status == TET_OK && options->voronoi) status = add_voronoi(ctx, options, mesh);
   if (status != TET_OK) return status;

@@ -103,6 +103,13 @@ static json_t *audit_json(const tet_audit *a) {
   set_count(o, "over_volume", a->over_volume);
   set_count(o, "under_dihedral", a->under_dihedral);
   set_count(o, "region_leaks", a->region_leaks);
+  set_count(o, "wrong_regions", a->wrong_regions);
+  set_count(o, "wrong_markers", a->wrong_markers);
+  set_count(o, "lost_vertices", a->lost_vertices);
+  set_count(o, "bad_segments", a->bad_segments);
+  set_count(o, "bad_facets", a->bad_facets);
+  set_count(o, "folded_subfaces", a->folded_subfaces);
+  if (a->bad_facets) set_count(o, "facet", a->facet);
   json_object_set_new(o, "passed", json_boolean(a->passed));
   return o;
 }

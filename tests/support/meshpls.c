@@ -345,9 +345,12 @@ static void print_report(const job *j, const tet_mesh *m) {
       {"facet_slivers", a->facet_slivers},
       {"subfaces_encroached", a->subfaces_encroached}, {"subsegments_encroached", a->subsegments_encroached},
       {"over_radius_edge", a->over_radius_edge}, {"over_volume", a->over_volume},
-      {"under_dihedral", a->under_dihedral}, {"region_leaks", a->region_leaks}};
+      {"under_dihedral", a->under_dihedral}, {"region_leaks", a->region_leaks},
+      {"wrong_regions", a->wrong_regions}, {"wrong_markers", a->wrong_markers}, {"lost_vertices", a->lost_vertices},
+      {"bad_segments", a->bad_segments}, {"bad_facets", a->bad_facets}, {"folded_subfaces", a->folded_subfaces}};
   for (size_t i = 0; i < sizeof fault / sizeof *fault; i++)
     if (fault[i].n) printf(",\"%s\":%llu", fault[i].name, (unsigned long long)fault[i].n);
+  if (a->bad_facets) printf(",\"facet\":%u", a->facet);
   printf("},\"stages\":{");
   for (uint32_t i = 0; i < r->n_stages; i++) printf("%s\"%s\":%.4f", i ? "," : "", r->stages[i].name, r->stages[i].seconds);
   printf("}}\n");

@@ -83,7 +83,15 @@ typedef struct tet_audit {
   uint64_t over_volume;
   uint64_t under_dihedral;      /* not listed as slivers, under the bound */
   uint64_t region_leaks;        /* faces off subfaces between two regions */
+  /* against the PLS; of the stage delaunay, 0 */
+  uint64_t wrong_regions;       /* that are not one part, or not where their seeds are; hole seeds in the mesh */
+  uint64_t wrong_markers;       /* subfaces without their facet's marker */
+  uint64_t lost_vertices;       /* moved, or inside and no vertex of the mesh */
+  uint64_t bad_segments;        /* loose segments that subsegments do not cover */
+  uint64_t bad_facets;          /* that their subfaces do not cover, or not once; parts outside the mesh aside */
+  uint64_t folded_subfaces;     /* turned over in their facet, or out of its plane */
   int passed;                   /* everything promised holds */
+  uint32_t facet;               /* the first of bad_facets, or TET_NONE */
 } tet_audit;
 
 /* Candidates that refinement found and did not insert, by reason. */
@@ -143,6 +151,9 @@ typedef struct tet_mesh {
   uint32_t *tetrahedron_regions; /* [n] row of the region table */
   uint32_t *neighbours;         /* [n][4] opposite vertex i, or TET_NONE; NULL unless asked for */
 
+  uint32_t n_input_facets;   /* of the PLS; 0 of the stage delaunay */
+  uint32_t *facet_same_as;   /* [n] lowest of the coplanar facets merged with it, or of those that it repeats, whose
+                                number its subfaces have; else itself */
   uint32_t n_subfaces;
   uint32_t *subfaces;        /* [n][3] */
   uint32_t *subface_facets;  /* [n] input facet */
