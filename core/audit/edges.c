@@ -4,11 +4,15 @@
  * A subsegment is encroached if a vertex of a tetrahedron around it lies
  * strictly inside its diametric ball (thesis 3.2.2). A crease, a diagonal inside
  * one input facet that is not exactly planar, is not promised Gabriel; it shows
- * in the arrays as an edge of two subfaces of one facet that are not coplanar. */
+ * in the arrays as an edge of two subfaces of one facet that are not coplanar.
+ * So is one of facets merged by an angle: of two subfaces of one marker within it. */
 #include "audit/edges.h"
 
 #include "base/sort.h"
+#include "base/vector.h"
 #include "exact/predicates.h"
+
+#include <math.h>
 
 enum { SEEN = 1, ENCROACHED = 2, CREASE = 4 };
 
@@ -70,6 +74,26 @@ static uint32_t find_edge(const edge_table *e, uint32_t a, uint32_t b) {
 
 static const double *place(const tet_mesh *mesh, uint32_t v) { return mesh->points + 3 * (size_t)v; }
 
+/* Do two subfaces, on ab and their vertices x and y, meet within the promised angle of flat? In doubles,
+ * with a slack for what rounding does to small ones. */
+static int is_merged(const tet_mesh *mesh, const uint32_t ab[2], uint32_t x, uint32_t y) {
+  double u[3], d[3], n[2][3];
+  if (!(mesh->report.promised.merge_angle > 0)) return 0;
+  tet_minus(place(mesh, ab[1]), place(mesh, ab[0]), u);
+  for (int k = 0; k < 2; k++) {
+    tet_minus(place(mesh, k ? y : x), place(mesh, ab[0]), d);
+    tet_cross(u, d, n[k]);
+  }
+  double cosine = -tet_dot(n[0], n[1]) / sqrt(tet_square(n[0]) * tet_square(n[1]));
+  return cosine >= cos((mesh->report.promised.merge_angle + 0.01) * (M_PI / 180));
+}
+
+static uint32_t apex_of(const uint32_t *v, const uint32_t end[2]) {
+  for (int k = 0; k < 2; k++)
+    if (v[k] != end[0] && v[k] != end[1]) return v[k];
+  return v[2];
+}
+
 static void mark_creases(edge_table *e) {
   const tet_mesh *mesh = e->mesh;
   for (uint32_t s = 0; s < mesh->n_subfaces; s++) {
@@ -84,11 +108,13 @@ static void mark_creases(edge_table *e) {
   for (uint32_t i = 0; i < mesh->n_subsegments; i++) {
     if (e->n_around[i] != 2) continue;
     const uint32_t *s = e->around + 2 * (size_t)i, *end = mesh->subsegments + 2 * (size_t)i;
-    if (mesh->subface_facets[s[0]] != mesh->subface_facets[s[1]]) continue;
     const uint32_t *v = mesh->subfaces + 3 * (size_t)s[0], *w = mesh->subfaces + 3 * (size_t)s[1];
-    uint32_t apex = w[0];
-    for (int k = 1; k < 3; k++)
-      if (apex == end[0] || apex == end[1]) apex = w[k];
+    uint32_t apex = apex_of(w, end);
+    if (mesh->subface_facets[s[0]] != mesh->subface_facets[s[1]]) {
+      if (mesh->subface_markers[s[0]] == mesh->subface_markers[s[1]] && is_merged(mesh, end, apex_of(v, end), apex))
+        e->flag[i] |= CREASE;
+      continue;
+    }
     if (tet_orient3d_xyz(place(mesh, v[0]), place(mesh, v[1]), place(mesh, v[2]), place(mesh, apex)) != 0)
       e->flag[i] |= CREASE;
   }

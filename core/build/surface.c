@@ -270,8 +270,8 @@ static tet_status start(tet_soup *s) {
 }
 
 tet_status tet_surface_build(tet_ctx *ctx, const tet_pls *pls, const tet_points *points, double tolerance,
-                             tet_surface *ret_surface) {
-  tet_soup s = {.ctx = ctx, .pls = pls, .points = points, .tolerance = tolerance};
+                             double merge_angle, tet_surface *ret_surface) {
+  tet_soup s = {.ctx = ctx, .pls = pls, .points = points, .tolerance = tolerance, .merge_angle = merge_angle};
   tet_surface r = {0};
   tet_status st = tet_check_pls(ctx, pls);
   if (st == TET_OK) st = start(&s);

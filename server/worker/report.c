@@ -80,6 +80,11 @@ static json_t *promised_json(const tet_promise *p) {
                         "region_volumes", p->region_volumes, "planarity", number(p->planarity));
   if (p->radius_edge > 0.0) json_object_set_new(o, "radius_edge", number(p->radius_edge));
   if (p->max_volume > 0.0) json_object_set_new(o, "max_volume", number(p->max_volume));
+  if (p->merge_angle > 0.0) {
+    json_object_set_new(o, "merge_angle", number(p->merge_angle));
+    json_object_set_new(o, "merged_angle", number(p->merged_angle));
+    json_object_set_new(o, "merged_distance", number(p->merged_distance));
+  }
   if (p->min_dihedral > 0.0) json_object_set_new(o, "min_dihedral", number(p->min_dihedral));
   return o;
 }

@@ -54,7 +54,7 @@ typedef struct tet_quality {
 typedef struct tet_promise {
   int delaunay;              /* every face locally Delaunay */
   int constrained_delaunay;  /* every face off the subfaces locally Delaunay */
-  int gabriel;               /* subfaces and subsegments Gabriel, creases aside */
+  int gabriel;               /* subfaces and subsegments Gabriel, creases and merged sides aside */
   int covered;               /* every face of the mesh's boundary is a subface */
   int convex;                /* the mesh fills the convex hull of its vertices */
   double radius_edge;        /* bound, the listed exceptions aside; 0: none */
@@ -62,6 +62,9 @@ typedef struct tet_promise {
   double min_dihedral;       /* degrees, the listed slivers aside; 0: none */
   int region_volumes;        /* the regions' own bounds hold, the exceptions aside */
   double planarity;          /* largest deviation of a polygon from its plane */
+  double merge_angle;        /* degrees: sides of facets of one marker within it of flat are creases; 0: none */
+  double merged_angle;       /* the largest angle off flat among them, */
+  double merged_distance;    /* and the largest distance of a triangle's vertex there from the other one's plane */
 } tet_promise;
 
 /* What `audit` found by exact arithmetic on the arrays below: counts of faults. */

@@ -328,6 +328,19 @@ static void excuses_creases(void **state) {
   assert_int_equal(audit().subsegments_encroached, 0);
   mesh->subface_facets[1] = 1;
   assert_int_equal(audit().subsegments_encroached, 1);
+  mesh->subface_markers[0] = mesh->subface_markers[1] = 5; /* they meet at atan(1/4), 14.04 degrees, off a fold */
+  mesh->report.promised.merge_angle = 20;
+  assert_int_equal(audit().subsegments_encroached, 1);
+  uint32_t beyond[3] = {0, 4, 1}; /* nearly flat now */
+  memcpy(mesh->subfaces + 3, beyond, sizeof beyond);
+  double *x = mesh->points + 12;
+  x[1] = -1, x[2] = -0.25;
+  assert_int_equal(audit().subsegments_encroached, 0);
+  mesh->report.promised.merge_angle = 14;
+  assert_int_equal(audit().subsegments_encroached, 1);
+  mesh->report.promised.merge_angle = 20;
+  mesh->subface_markers[1] = 6;
+  assert_int_equal(audit().subsegments_encroached, 1);
 }
 
 static void can_be_cancelled(void **state) {

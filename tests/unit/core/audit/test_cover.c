@@ -68,9 +68,12 @@ static int tear_down(void **state) {
   return leaked != 0;
 }
 
+static double merge_angle;
+
 static void make(tet_stage stage) {
   tet_options options;
   tet_options_default(&options);
+  options.merge_angle = merge_angle;
   options.stage = stage;
   options.max_volume = stage == TET_STAGE_REFINE ? 0.2 : 0;
   tet_mesh_free(mesh);
@@ -117,6 +120,43 @@ static void passes_a_good_mesh(void **state) {
     assert_true(a.passed);
     assert_int_equal(a.facet, TET_NONE);
     assert_true(mesh->report.audit.passed);
+    for (uint32_t e = 0; e < mesh->n_subsegments; e++) { /* none between the two that are one */
+      const double *p = mesh->points + 3 * mesh->subsegments[2 * e], *q = mesh->points + 3 * mesh->subsegments[2 * e + 1];
+      assert_false(p[0] == 3 && q[0] == 3 && p[2] == 3 && q[2] == 3);
+    }
+  }
+}
+
+/* A round wall of 24 sides, each 15 degrees from the next. */
+static void passes_merged_facets(void **state) {
+  (void)state;
+  enum { SIDES = 24 };
+  pls_free(b);
+  b = pls_new();
+  uint32_t rim[2][SIDES];
+  for (uint32_t i = 0; i < SIDES; i++)
+    for (uint32_t k = 0; k < 2; k++) {
+      double turn = i * (2 * acos(-1.0) / SIDES);
+      rim[k][i] = pls_point(b, 2 * cos(turn), 2 * sin(turn), 1.5 * k);
+    }
+  for (uint32_t k = 0; k < 2; k++) {
+    pls_facet(b, 1);
+    pls_polygon(b, SIDES, rim[k]);
+  }
+  for (uint32_t i = 0, n; i < SIDES; i++) {
+    n = (i + 1) % SIDES;
+    pls_triangle(b, 2, rim[0][i], rim[0][n], rim[1][n]);
+    pls_triangle(b, 2, rim[0][i], rim[1][n], rim[1][i]);
+  }
+  const double angles[] = {0, 14, 16};
+  for (int k = 0; k < 3; k++) {
+    merge_angle = angles[k];
+    make(TET_STAGE_REFINE);
+    merge_angle = 0;
+    const tet_promise *p = &mesh->report.promised;
+    assert_true(mesh->report.audit.passed && p->gabriel && p->merge_angle == angles[k]);
+    assert_true(k < 2 ? p->merged_angle < 1e-6 : fabs(p->merged_angle - 15) < 1e-6);
+    assert_true(k < 2 ? p->merged_distance < 1e-9 : p->merged_distance > 0.1 && p->merged_distance < 0.6);
   }
 }
 
@@ -429,7 +469,7 @@ static void outlines_facets(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      TEST(passes_a_good_mesh), TEST(finds_every_dropped_subface), TEST(finds_a_dropped_facet),
+      TEST(passes_a_good_mesh), TEST(passes_merged_facets), TEST(finds_every_dropped_subface), TEST(finds_a_dropped_facet),
       TEST(finds_renumbered_subfaces), TEST(finds_a_foreign_subface), TEST(finds_a_lost_segment),
       TEST(finds_a_broken_chain), TEST(finds_a_shifted_region), TEST(finds_a_moved_vertex), TEST(finds_a_lost_vertex),
       TEST(finds_wrong_holes), TEST(finds_a_wrong_merge), TEST(finds_a_facet_not_meshed), TEST(adds_chains_up),
