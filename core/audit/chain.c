@@ -25,8 +25,7 @@ int tet_same_direction(const double *a, const double *b, const double *c) {
   return tet_collinear_xyz(a, b, c);
 }
 
-/* A key that orders as the number does. */
-static uint64_t ordered_bits(double x) {
+uint64_t tet_ordered_bits(double x) {
   uint64_t bits;
   x += 0.0; /* -0 becomes 0 */
   memcpy(&bits, &x, sizeof bits);
@@ -35,7 +34,7 @@ static uint64_t ordered_bits(double x) {
 
 /* Sorts vertices (in .value) by x, y, z from coordinate `axis` on. */
 static void sort_places(const double *points, tet_keyed *item, size_t n, int axis) {
-  for (size_t i = 0; i < n; i++) item[i].key = ordered_bits(points[3 * item[i].value + (size_t)axis]);
+  for (size_t i = 0; i < n; i++) item[i].key = tet_ordered_bits(points[3 * item[i].value + (size_t)axis]);
   tet_sort_keyed(item, n);
   for (size_t i = 0, run; i < n && axis < 2; i += run) {
     uint64_t key = item[i].key;

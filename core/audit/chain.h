@@ -25,6 +25,9 @@ tet_status tet_chain_add(tet_ctx *ctx, tet_chain *chain, uint32_t facet, uint32_
  * n log n, where links on one line are few or follow each other. */
 tet_status tet_chain_reduce(tet_ctx *ctx, const double *points, uint32_t n_facets, tet_chain *chain);
 
+/* A key that orders as the number does. */
+uint64_t tet_ordered_bits(double x);
+
 /* 1 if b and c lie in exactly the same direction from a. */
 int tet_same_direction(const double *a, const double *b, const double *c);
 

@@ -215,6 +215,10 @@ static tet_status add_outlines(cover *c) {
 static int holds_seed(const cover *c, uint32_t s, uint32_t f, const double *x) {
   const uint32_t *v = c->mesh->subfaces + 3 * (size_t)s;
   if (!c->up[s]) return 0;
+  for (int k = 0; k < 3; k++) { /* its box */
+    double a = place(c->mesh, v[0])[k], b = place(c->mesh, v[1])[k], d = place(c->mesh, v[2])[k];
+    if (k != c->view[f].axis && ((x[k] < a && x[k] < b && x[k] < d) || (x[k] > a && x[k] > b && x[k] > d))) return 0;
+  }
   for (int k = 0; k < 3; k++)
     if (c->up[s] * tet_orient2d_xyz(c->view[f].axis, place(c->mesh, v[k]), place(c->mesh, v[(k + 1) % 3]), x) <= 0)
       return 0;

@@ -15,6 +15,7 @@
 #include "exact/predicates.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double *place(const tet_mesh *mesh, uint32_t v) { return mesh->points + 3 * (size_t)v; }
 
@@ -87,6 +88,7 @@ typedef struct outline {
   uint32_t *vertex;
   size_t n_vertices, cap_vertex;
   uint32_t n_loops;
+  double *reach;  /* [n_sides] the highest upper end among the sides of the tree under each, see sort_sides */
   uint64_t *hole; /* the loops around each hole seed, as of inside_of() */
   size_t n_holes;
 } outline;
@@ -167,6 +169,16 @@ static int crosses(const outline *o, const side *s, uint32_t a, uint32_t b, int 
   return at > 0; /* the side is to the right, where the line goes */
 }
 
+/* Fills `reach` for the sides of a range, the middle one for all; returns that. */
+static double set_reach(outline *o, size_t from, size_t to) {
+  if (from == to) return -INFINITY;
+  size_t mid = from + (to - from) / 2;
+  const side *s = o->side + mid;
+  double own = fmax(place(o->mesh, s->from)[o->j], place(o->mesh, s->to)[o->j]);
+  double low = set_reach(o, from, mid), high = set_reach(o, mid + 1, to);
+  return o->reach[mid] = fmax(own, fmax(low, high));
+}
+
 /* A number for a loop, so that sums of different loops differ. */
 static uint64_t number_of(uint32_t loop) {
   uint64_t h = (loop + 1) * 0x9e3779b97f4a7c15u;
@@ -175,13 +187,47 @@ static uint64_t number_of(uint32_t loop) {
   return h ^ h >> 31;
 }
 
+static double low_end(const outline *o, const side *s) {
+  return fmin(place(o->mesh, s->from)[o->j], place(o->mesh, s->to)[o->j]);
+}
+
+/* Sorts the sides by their lower ends into a tree: the middle of a range stands over both halves. */
+static tet_status sort_sides(outline *o) {
+  tet_keyed *item = tet_alloc(o->ctx, o->n_sides, sizeof *item);
+  side *sorted = tet_alloc(o->ctx, o->n_sides, sizeof *sorted);
+  o->reach = tet_alloc(o->ctx, o->n_sides, sizeof *o->reach);
+  tet_status status = item && sorted && o->reach ? TET_OK : tet_ctx_error(o->ctx)->status;
+  if (status == TET_OK) {
+    for (size_t k = 0; k < o->n_sides; k++) item[k] = (tet_keyed){tet_ordered_bits(low_end(o, o->side + k)), k};
+    tet_sort_keyed(item, o->n_sides);
+    for (size_t k = 0; k < o->n_sides; k++) sorted[k] = o->side[item[k].value];
+    memcpy(o->side, sorted, o->n_sides * sizeof *sorted);
+    set_reach(o, 0, o->n_sides);
+  }
+  tet_free(o->ctx, item);
+  tet_free(o->ctx, sorted);
+  return status;
+}
+
 /* The loops that go an odd number of turns around the place just left (or right) of the part from a
- * towards b: the sum of their numbers, bit by bit; 0: none. */
-static uint64_t inside_of(const outline *o, uint32_t a, uint32_t b, int left) {
+ * towards b, by the sides of a range: the sum of their numbers, bit by bit; 0: none. Only sides at
+ * the level of a can be crossed. */
+static uint64_t inside_by(const outline *o, size_t from, size_t to, uint32_t a, uint32_t b, int left) {
   uint64_t sum = 0;
-  for (size_t k = 0; k < o->n_sides; k++)
-    if (crosses(o, o->side + k, a, b, left)) sum ^= number_of(o->side[k].loop);
+  double level = place(o->mesh, a)[o->j];
+  while (from < to) {
+    size_t mid = from + (to - from) / 2;
+    if (o->reach[mid] < level) break;
+    sum ^= inside_by(o, from, mid, a, b, left);
+    if (low_end(o, o->side + mid) > level) break;
+    if (crosses(o, o->side + mid, a, b, left)) sum ^= number_of(o->side[mid].loop);
+    from = mid + 1;
+  }
   return sum;
+}
+
+static uint64_t inside_of(const outline *o, uint32_t a, uint32_t b, int left) {
+  return inside_by(o, 0, o->n_sides, a, b, left);
 }
 
 /* Is this the inside of the loops that a hole seed is in? */
@@ -218,18 +264,42 @@ static int is_inside(const outline *o, uint32_t a, uint32_t b, int left) {
   return loops && !is_hole(o, loops);
 }
 
+/* The facet's vertices by their level: o->vertex sorted, and the keys to find them by. */
+static tet_status sort_levels(outline *o, tet_keyed **ret_item) {
+  tet_keyed *item = tet_alloc(o->ctx, o->n_vertices, sizeof *item);
+  if (!item) return tet_ctx_error(o->ctx)->status;
+  for (size_t k = 0; k < o->n_vertices; k++)
+    item[k] = (tet_keyed){tet_ordered_bits(place(o->mesh, o->vertex[k])[o->j]), o->vertex[k]};
+  tet_sort_keyed(item, o->n_vertices);
+  *ret_item = item;
+  return TET_OK;
+}
+
+/* The first vertex on the way from a straight to b. */
+static uint32_t next_on(const outline *o, const tet_keyed *level, uint32_t a, uint32_t b) {
+  uint64_t x = tet_ordered_bits(place(o->mesh, a)[o->j]), y = tet_ordered_bits(place(o->mesh, b)[o->j]);
+  uint64_t low = x < y ? x : y, high = x < y ? y : x;
+  size_t from = 0, to = o->n_vertices;
+  while (from < to) {
+    size_t mid = from + (to - from) / 2;
+    if (level[mid].key < low) from = mid + 1;
+    else to = mid;
+  }
+  for (; from < o->n_vertices && level[from].key <= high; from++)
+    if (is_between(o, a, b, (uint32_t)level[from].value)) b = (uint32_t)level[from].value;
+  return b;
+}
+
 /* The parts of all sides, ascending by their vertices, each once. */
 static tet_status cut_sides(outline *o, tet_keyed **ret_part, size_t *ret_n) {
-  tet_keyed *part = NULL;
+  tet_keyed *part = NULL, *level = NULL;
   size_t n = 0, cap = 0, distinct = 0;
-  tet_status status = TET_OK;
+  tet_status status = sort_levels(o, &level);
   for (size_t k = 0; k < o->n_sides && status == TET_OK; k++) {
     uint32_t from = o->side[k].from, to = o->side[k].to;
     if ((k & 63) == 0) status = tet_poll(o->ctx);
     while (from != to && status == TET_OK) {
-      uint32_t next = to;
-      for (size_t i = 0; i < o->n_vertices; i++)
-        if (is_between(o, from, next, o->vertex[i])) next = o->vertex[i];
+      uint32_t next = next_on(o, level, from, to);
       status = tet_grow(o->ctx, &part, &cap, n + 1, sizeof *part);
       uint32_t low = from < next ? from : next, high = from < next ? next : from;
       if (status == TET_OK) part[n++] = (tet_keyed){(uint64_t)low << 32 | high, 0};
@@ -239,6 +309,7 @@ static tet_status cut_sides(outline *o, tet_keyed **ret_part, size_t *ret_n) {
   tet_sort_keyed(part, n);
   for (size_t k = 0; k < n; k++)
     if (k == 0 || part[k].key != part[distinct - 1].key) part[distinct++] = part[k];
+  tet_free(o->ctx, level);
   *ret_part = part;
   *ret_n = distinct;
   return status;
@@ -247,7 +318,8 @@ static tet_status cut_sides(outline *o, tet_keyed **ret_part, size_t *ret_n) {
 static tet_status add_parts(outline *o, uint32_t root, tet_chain *chain) {
   tet_keyed *part = NULL;
   size_t n = 0;
-  tet_status status = cut_sides(o, &part, &n);
+  tet_status status = sort_sides(o);
+  if (status == TET_OK) status = cut_sides(o, &part, &n);
   for (size_t k = 0; k < n && status == TET_OK; k++) {
     uint32_t a = (uint32_t)(part[k].key >> 32), b = (uint32_t)part[k].key;
     int net = is_inside(o, a, b, 1) - is_inside(o, a, b, 0);
@@ -273,6 +345,7 @@ static tet_status begin(outline *o, uint32_t f) {
 static void end(outline *o) {
   tet_free(o->ctx, o->side);
   tet_free(o->ctx, o->vertex);
+  tet_free(o->ctx, o->reach);
   tet_free(o->ctx, o->hole);
 }
 
@@ -280,6 +353,7 @@ tet_status tet_is_hole_beside(tet_ctx *ctx, const tet_pls *pls, const tet_mesh *
                               const tet_link *link, size_t n, int *ret_all) {
   outline o = {.ctx = ctx, .pls = pls, .mesh = mesh, .axis = axis, .i = (axis + 1) % 3, .j = (axis + 2) % 3};
   tet_status status = begin(&o, f);
+  if (status == TET_OK) status = sort_sides(&o);
   for (size_t k = 0; k < n && *ret_all && status == TET_OK; k++)
     *ret_all = is_hole(&o, inside_of(&o, link[k].from, link[k].to, 0));
   end(&o);

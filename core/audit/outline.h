@@ -23,7 +23,7 @@ void tet_view_facet(const tet_pls *pls, const tet_mesh *mesh, uint32_t f, tet_fa
 /* Adds to `chain`, under number `root`, the links around facet f: the facet, what is inside an odd
  * number of turns of any of its polygons (A.1.2), less what is inside the same ones as a hole's
  * seed, is on their left as projected along `axis`. Errors: TET_E_MEMORY, and those of polling. Linear for
- * one polygon that meets each vertex once; else the square of the facet's sides. */
+ * one polygon that meets each vertex once; else its sides, times those at the level of each. */
 tet_status tet_facet_outline(tet_ctx *ctx, const tet_pls *pls, const tet_mesh *mesh, uint32_t f, uint32_t root,
                              int axis, tet_chain *chain);
 
