@@ -96,6 +96,9 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
   if (strcmp(name, "planarity_tolerance") == 0)
     return read_number(value, name, 0.0, DBL_MAX, "is no number from 0",
                        &options->planarity_tolerance, error);
+  if (strcmp(name, "merge_angle") == 0)
+    return read_number(value, name, 0.0, TP_MOST_MERGE_ANGLE, "is no number from 0 to 45",
+                       &options->merge_angle, error);
   if (strcmp(name, "keep_hull") == 0) return read_bool(value, name, &options->keep_hull, error);
   if (strcmp(name, "neighbours") == 0) return read_bool(value, name, &options->neighbours, error);
   if (strcmp(name, "seed") == 0) return read_integer(value, name, 0, &options->seed, error);
@@ -121,7 +124,7 @@ tp_code tp_options_parse(const json_t *json, tp_options *ret_options, tp_error *
         read_option(json_object_iter_key(at), json_object_iter_value(at), &options, error);
     if (code != TP_OK) return code;
   }
-  static const char *const of_refine[] = {"radius_edge", "max_volume", "min_dihedral"};
+  static const char *const of_refine[] = {"radius_edge", "max_volume", "min_dihedral", "merge_angle"};
   for (size_t i = 0; i < sizeof of_refine / sizeof *of_refine && options.stage != TP_STAGE_REFINE; i++) {
     if (json_object_get(json, of_refine[i]) != NULL)
       return refuse(error, of_refine[i], "acts only in the stage refine");
@@ -149,6 +152,8 @@ json_t *tp_options_json(const tp_options *options) {
   if (options->planarity_tolerance != 0.0)
     failed |= json_object_set_new(json, "planarity_tolerance",
                                   json_real(options->planarity_tolerance));
+  if (options->merge_angle != 0.0)
+    failed |= json_object_set_new(json, "merge_angle", json_real(options->merge_angle));
   if (options->seed != 0)
     failed |= json_object_set_new(json, "seed", json_integer((json_int_t)options->seed));
   if (options->neighbours) failed |= json_object_set_new(json, "neighbours", json_true());

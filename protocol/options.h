@@ -21,7 +21,7 @@ typedef enum tp_point_order { TP_ORDER_INPUT_FIRST = 0, TP_ORDER_HILBERT } tp_po
 
 typedef enum tp_voronoi { TP_VORONOI_NONE = 0, TP_VORONOI_FACTORS, TP_VORONOI_DIAGRAM } tp_voronoi;
 
-enum { TP_MAX_THREADS = 31, TP_MOST_DIHEDRAL = 30 };
+enum { TP_MAX_THREADS = 31, TP_MOST_DIHEDRAL = 30, TP_MOST_MERGE_ANGLE = 45 };
 
 typedef struct tp_options {
   tp_stage stage;             /* default TP_STAGE_REFINE */
@@ -30,6 +30,7 @@ typedef struct tp_options {
   double min_dihedral;        /* degrees, 0 (slivers stay) to TP_MOST_DIHEDRAL; default 5; only of refine */
   bool keep_hull;
   double planarity_tolerance; /* >= 0; 0: the engine's default */
+  double merge_angle;         /* degrees, 0 (default) to TP_MOST_MERGE_ANGLE; only of refine */
   uint64_t seed;              /* up to 2^53 */
   bool neighbours;
   tp_voronoi voronoi;         /* default TP_VORONOI_NONE; not of delaunay or a kept hull */

@@ -66,6 +66,9 @@ static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
     if (o->planarity_tolerance != 0) {
         failed |= set_new(json, "planarity_tolerance", json_real(o->planarity_tolerance));
     }
+    if (o->merge_angle != 0) {
+        failed |= set_new(json, "merge_angle", json_real(o->merge_angle));
+    }
     if (o->neighbours) {
         failed |= set_new(json, "neighbours", json_true());
     }

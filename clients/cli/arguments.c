@@ -33,6 +33,7 @@ enum {
     OPTION_BOUND_ONLY,
     OPTION_KEEP_HULL,
     OPTION_PLANARITY,
+    OPTION_MERGE_ANGLE,
     OPTION_NEIGHBOURS,
     OPTION_VORONOI,
     OPTION_DEADLINE,
@@ -69,6 +70,8 @@ static const struct {
      "        keep the convex hull: outside and holes stay"},
     {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB,
      "D  how far out of plane a polygon may be"},
+    {"merge-angle", 1, OPTION_MERGE_ANGLE, GROUP_JOB,
+     "D       degrees, up to 45: sides this flat of one marker are no sharp segments"},
     {"neighbours", 0, OPTION_NEIGHBOURS, GROUP_JOB, "        write .neigh beside .node"},
     {"voronoi", 0, OPTION_VORONOI, GROUP_JOB,
      "        write the Voronoi cells, their volumes and factors, beside .node or .vtu"},
@@ -203,6 +206,7 @@ static bool apply_job_option(arguments *args, int option, const char *value) {
     case OPTION_MIN_DIHEDRAL: return read_positive(value, &o->min_dihedral);
     case OPTION_BOUND_ONLY: o->bound_only = 1; return true;
     case OPTION_PLANARITY: return read_real(value, 0, &o->planarity_tolerance);
+    case OPTION_MERGE_ANGLE: return read_positive(value, &o->merge_angle);
     case OPTION_MEMORY: return read_count(value, true, 1, &o->memory_bytes);
     case OPTION_MAX_VERTICES: return read_count(value, false, 1, &o->max_vertices);
     case OPTION_SEED: return read_count(value, false, 0, &o->seed);
@@ -276,9 +280,10 @@ static int check_together(const command *which, const arguments *args) {
         return usage_error(which, "-o OUTPUT is missing");
     }
     if (stage != NULL && strcmp(stage, "refine") != 0 &&
-        (o->radius_edge != 0 || o->max_volume != 0 || o->min_dihedral != 0 || o->bound_only)) {
-        return usage_error(which, "--radius-edge, --max-volume, --min-dihedral and --bound-only "
-                                  "belong to --stage refine");
+        (o->radius_edge != 0 || o->max_volume != 0 || o->min_dihedral != 0 || o->bound_only ||
+         o->merge_angle != 0)) {
+        return usage_error(which, "--radius-edge, --max-volume, --min-dihedral, --bound-only and "
+                                  "--merge-angle belong to --stage refine");
     }
     if (o->bound_only && o->min_dihedral != 0) {
         return usage_error(which, "--bound-only lets slivers stay: not with --min-dihedral");

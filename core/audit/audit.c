@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /* audit.c: orientation, adjacency, the Delaunay and Gabriel properties, subfaces,
  * regions and bounds of a finished mesh (thesis 2.3, 3.2; 2.2 for what a mesh is).
+ * What the PLS asks for is in cover.h.
  *
  * Every property is decided by its definition: local Delaunay at each face by
  * the opposite vertex, Gabriel at each subface by both apexes. */
 #include "audit/audit.h"
 
+#include "audit/cover.h"
 #include "audit/edges.h"
 #include "audit/faces.h"
 #include "audit/hull.h"
@@ -25,6 +27,7 @@ typedef struct auditor {
   uint8_t *flag;    /* [n_tetrahedra] */
   uint32_t *boundary; /* handles of the boundary faces, where convexity is promised */
   size_t n_boundary, cap_boundary;
+  uint32_t *part; /* [n_tetrahedra] union-find over faces off subfaces inside a region */
   tet_audit found;
 } auditor;
 
@@ -91,6 +94,22 @@ static tet_status match_subfaces(auditor *a) {
   return TET_OK;
 }
 
+static uint32_t root(uint32_t *part, uint32_t t) {
+  while (part[t] != t) t = part[t] = part[part[t]];
+  return t;
+}
+
+/* Counts regions that are not one part each, in no tetrahedron or in several parts. */
+static tet_status check_regions(auditor *a) {
+  const tet_mesh *m = a->mesh;
+  uint32_t *parts = tet_calloc(a->ctx, m->n_regions, sizeof *parts);
+  if (!parts) return tet_ctx_error(a->ctx)->status;
+  for (uint32_t t = 0; t < m->n_tetrahedra; t++) parts[m->tetrahedron_regions[t]] += a->part[t] == t;
+  for (uint32_t r = 0; r < m->n_regions; r++) a->found.wrong_regions += parts[r] != 1;
+  tet_free(a->ctx, parts);
+  return TET_OK;
+}
+
 static void check_pair(auditor *a, uint32_t h, uint32_t g) {
   const tet_mesh *m = a->mesh;
   uint32_t t = h / 4, u = g / 4, face[3];
@@ -98,6 +117,10 @@ static void check_pair(auditor *a, uint32_t h, uint32_t g) {
   int one_side = tet_face_vertices(m, h, face) == tet_face_vertices(m, g, face);
   a->found.adjacency += one_side;
   if (!a->subface[h] && m->tetrahedron_regions[t] != m->tetrahedron_regions[u]) a->found.region_leaks++;
+  if (!a->subface[h] && m->tetrahedron_regions[t] == m->tetrahedron_regions[u]) {
+    uint32_t x = root(a->part, t), y = root(a->part, u);
+    a->part[x < y ? y : x] = x < y ? x : y;
+  }
   if (one_side || ((a->flag[t] | a->flag[u]) & FLAT)) return;
   if (tet_insphere_xyz(place(m, v[0]), place(m, v[1]), place(m, v[2]), place(m, v[3]), place(m, w[g % 4])) > 0) {
     a->found.not_delaunay++;
@@ -162,6 +185,8 @@ static int holds(const tet_promise *p, const tet_audit *f) {
   if (f->bad_indices || f->flat_or_inverted || f->adjacency || f->subfaces_missing || f->subsegments_missing) return 0;
   if (f->region_leaks || f->broken_segments || f->facet_slivers || f->over_radius_edge || f->over_volume ||
       f->under_dihedral) return 0;
+  if (f->wrong_regions || f->wrong_markers || f->lost_vertices || f->bad_segments || f->bad_facets ||
+      f->folded_subfaces) return 0;
   if (p->delaunay && f->not_delaunay) return 0;
   if (p->constrained_delaunay && f->not_constrained_delaunay) return 0;
   if (p->gabriel && (f->subfaces_encroached || f->subsegments_encroached)) return 0;
@@ -169,21 +194,39 @@ static int holds(const tet_promise *p, const tet_audit *f) {
   return !(p->covered && f->uncovered);
 }
 
-tet_status tet_audit_mesh(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *ret_audit) {
-  auditor a = {.ctx = ctx, .mesh = mesh};
+/* Subsegments as edges and as chains, and what the PLS asks for. */
+static tet_status check_constraints(auditor *a, const tet_pls *pls) {
+  tet_ways ways;
+  tet_status status = tet_audit_edges(a->ctx, a->mesh, a->subface, &a->found);
+  if (status == TET_OK) status = tet_walk_ways(a->ctx, a->mesh, &ways);
+  if (status != TET_OK) return status;
+  a->found.broken_segments = ways.broken;
+  if (pls) status = tet_audit_cover(a->ctx, pls, a->mesh, &ways, &a->found);
+  if (pls && status == TET_OK) status = tet_audit_seeds(a->ctx, pls, a->mesh, &a->found);
+  tet_ways_free(a->ctx, &ways);
+  return status;
+}
+
+tet_status tet_audit_mesh(tet_ctx *ctx, const tet_pls *pls, const tet_mesh *mesh, tet_audit *ret_audit) {
+  auditor a = {.ctx = ctx, .mesh = mesh, .found.facet = TET_NONE};
   a.found.bad_indices = count_bad_indices(mesh);
+  if (pls && !a.found.bad_indices) a.found.bad_indices = tet_count_bad_numbers(pls, mesh);
   tet_status status = TET_OK;
   if (!a.found.bad_indices) {
     a.subface = tet_calloc(ctx, 4 * (size_t)mesh->n_tetrahedra, 1);
     a.flag = tet_calloc(ctx, mesh->n_tetrahedra, 1);
-    if (!a.subface || !a.flag) status = tet_ctx_error(ctx)->status;
+    a.part = tet_alloc(ctx, mesh->n_tetrahedra, sizeof *a.part);
+    if (!a.subface || !a.flag || !a.part) status = tet_ctx_error(ctx)->status;
+    for (uint32_t t = 0; t < mesh->n_tetrahedra && status == TET_OK; t++) a.part[t] = t;
     if (status == TET_OK) status = check_shapes(&a);
     if (status == TET_OK) status = check_faces(&a);
+    if (status == TET_OK) status = check_regions(&a);
     if (status == TET_OK && mesh->report.promised.convex) status = check_hull(&a);
     tet_free(ctx, a.boundary);
     tet_free(ctx, a.flag);
+    tet_free(ctx, a.part);
     tet_face_table_free(ctx, &a.faces);
-    if (status == TET_OK) status = tet_audit_edges(ctx, mesh, a.subface, &a.found);
+    if (status == TET_OK) status = check_constraints(&a, pls);
     tet_free(ctx, a.subface);
   }
   if (status != TET_OK) return status;

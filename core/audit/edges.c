@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-/* edges.c: are the subsegments edges of the mesh, Gabriel, and chains?
+/* edges.c: are the subsegments edges of the mesh, and Gabriel?
  *
  * A subsegment is encroached if a vertex of a tetrahedron around it lies
  * strictly inside its diametric ball (thesis 3.2.2). A crease, a diagonal inside
  * one input facet that is not exactly planar, is not promised Gabriel; it shows
- * in the arrays as an edge of two subfaces of one facet that are not coplanar. */
+ * in the arrays as an edge of two subfaces of one facet that are not coplanar.
+ * So is one of facets merged by an angle: of two subfaces of one marker within it. */
 #include "audit/edges.h"
 
 #include "base/sort.h"
+#include "base/vector.h"
 #include "exact/predicates.h"
+
+#include <math.h>
 
 enum { SEEN = 1, ENCROACHED = 2, CREASE = 4 };
 
@@ -70,6 +74,26 @@ static uint32_t find_edge(const edge_table *e, uint32_t a, uint32_t b) {
 
 static const double *place(const tet_mesh *mesh, uint32_t v) { return mesh->points + 3 * (size_t)v; }
 
+/* Do two subfaces, on ab and their vertices x and y, meet within the promised angle of flat? In doubles,
+ * with a slack for what rounding does to small ones. */
+static int is_merged(const tet_mesh *mesh, const uint32_t ab[2], uint32_t x, uint32_t y) {
+  double u[3], d[3], n[2][3];
+  if (!(mesh->report.promised.merge_angle > 0)) return 0;
+  tet_minus(place(mesh, ab[1]), place(mesh, ab[0]), u);
+  for (int k = 0; k < 2; k++) {
+    tet_minus(place(mesh, k ? y : x), place(mesh, ab[0]), d);
+    tet_cross(u, d, n[k]);
+  }
+  double cosine = -tet_dot(n[0], n[1]) / sqrt(tet_square(n[0]) * tet_square(n[1]));
+  return cosine >= cos((mesh->report.promised.merge_angle + 0.01) * (M_PI / 180));
+}
+
+static uint32_t apex_of(const uint32_t *v, const uint32_t end[2]) {
+  for (int k = 0; k < 2; k++)
+    if (v[k] != end[0] && v[k] != end[1]) return v[k];
+  return v[2];
+}
+
 static void mark_creases(edge_table *e) {
   const tet_mesh *mesh = e->mesh;
   for (uint32_t s = 0; s < mesh->n_subfaces; s++) {
@@ -84,11 +108,13 @@ static void mark_creases(edge_table *e) {
   for (uint32_t i = 0; i < mesh->n_subsegments; i++) {
     if (e->n_around[i] != 2) continue;
     const uint32_t *s = e->around + 2 * (size_t)i, *end = mesh->subsegments + 2 * (size_t)i;
-    if (mesh->subface_facets[s[0]] != mesh->subface_facets[s[1]]) continue;
     const uint32_t *v = mesh->subfaces + 3 * (size_t)s[0], *w = mesh->subfaces + 3 * (size_t)s[1];
-    uint32_t apex = w[0];
-    for (int k = 1; k < 3; k++)
-      if (apex == end[0] || apex == end[1]) apex = w[k];
+    uint32_t apex = apex_of(w, end);
+    if (mesh->subface_facets[s[0]] != mesh->subface_facets[s[1]]) {
+      if (mesh->subface_markers[s[0]] == mesh->subface_markers[s[1]] && is_merged(mesh, end, apex_of(v, end), apex))
+        e->flag[i] |= CREASE;
+      continue;
+    }
     if (tet_orient3d_xyz(place(mesh, v[0]), place(mesh, v[1]), place(mesh, v[2]), place(mesh, apex)) != 0)
       e->flag[i] |= CREASE;
   }
@@ -116,69 +142,6 @@ static int look_at(edge_table *e, uint32_t t, const uint8_t subface[4]) {
   return sliver;
 }
 
-/* The first place in item[0..n) with this vertex (items are (vertex, edge)). */
-static uint32_t first_with(const tet_keyed *item, uint32_t n, uint64_t vertex) {
-  uint32_t low = 0, high = n;
-  while (low < high) {
-    uint32_t mid = low + (high - low) / 2;
-    if (item[mid].key < vertex)
-      low = mid + 1;
-    else
-      high = mid;
-  }
-  return low;
-}
-
-/* 1 if the `n_ends` (vertex, subsegment) pairs are those of one open chain: all
- * vertices of two subsegments but two of one, and a walk meets all of them. */
-static int one_chain(const tet_mesh *mesh, const tet_keyed *end, uint32_t n_ends) {
-  uint32_t tip = TET_NONE, n_tips = 0;
-  for (uint32_t i = 0, run; i < n_ends; i += run) {
-    run = 1;
-    while (i + run < n_ends && end[i + run].key == end[i].key) run++;
-    if (run > 2) return 0;
-    if (run == 1) {
-      tip = i;
-      n_tips++;
-    }
-  }
-  if (n_tips != 2) return 0;
-  uint64_t vertex = end[tip].key, edge = end[tip].value;
-  for (uint32_t walked = 1;; walked++) {
-    const uint32_t *v = mesh->subsegments + 2 * edge;
-    vertex = v[0] == vertex ? v[1] : v[0];
-    uint32_t i = first_with(end, n_ends, vertex);
-    int last = i + 1 >= n_ends || end[i + 1].key != vertex;
-    if (last) return walked == n_ends / 2;
-    edge = end[i].value == edge ? end[i + 1].value : end[i].value;
-  }
-}
-
-static tet_status check_chains(tet_ctx *ctx, const tet_mesh *mesh, tet_audit *found) {
-  uint32_t n = mesh->n_subsegments;
-  tet_keyed *by_segment = tet_alloc(ctx, n, sizeof *by_segment);
-  tet_keyed *ends = tet_alloc(ctx, 2 * (size_t)n, sizeof *ends);
-  tet_status status = by_segment && ends ? TET_OK : tet_ctx_error(ctx)->status;
-  if (status == TET_OK) {
-    for (uint32_t i = 0; i < n; i++) by_segment[i] = (tet_keyed){mesh->subsegment_segments[i], i};
-    tet_sort_keyed(by_segment, n);
-  }
-  for (uint32_t i = 0, run; status == TET_OK && i < n; i += run) {
-    run = 0;
-    for (; i + run < n && by_segment[i + run].key == by_segment[i].key; run++)
-      for (uint32_t k = 0; k < 2; k++) {
-        uint64_t row = by_segment[i + run].value;
-        ends[2 * run + k] = (tet_keyed){mesh->subsegments[2 * row + k], row};
-      }
-    tet_sort_keyed(ends, 2 * (size_t)run);
-    if (!one_chain(mesh, ends, 2 * run)) found->broken_segments++;
-    status = tet_poll(ctx);
-  }
-  tet_free(ctx, by_segment);
-  tet_free(ctx, ends);
-  return status;
-}
-
 tet_status tet_audit_edges(tet_ctx *ctx, const tet_mesh *mesh, const uint8_t *subface, tet_audit *found) {
   edge_table e;
   tet_status status = edge_table_build(ctx, mesh, &e);
@@ -193,5 +156,5 @@ tet_status tet_audit_edges(tet_ctx *ctx, const tet_mesh *mesh, const uint8_t *su
     found->subsegments_encroached += (e.flag[i] & ENCROACHED) && !(e.flag[i] & CREASE);
   }
   edge_table_free(ctx, &e);
-  return status == TET_OK ? check_chains(ctx, mesh, found) : status;
+  return status;
 }

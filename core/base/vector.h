@@ -19,4 +19,15 @@ static inline void tet_cross(const double a[3], const double b[3], double c[3]) 
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* The sine of an angle up to 90 degrees by its series: the same bits everywhere, as what it bounds
+ * decides where points go. */
+static inline double tet_sine_of_degrees(double degrees) {
+  double x = degrees * (3.14159265358979323846 / 180), term = x, sum = x;
+  for (int k = 1; k < 12; k++) {
+    term *= -x * x / (2 * k * (2 * k + 1));
+    sum += term;
+  }
+  return sum;
+}
+
 #endif

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /* boxtree.c: a balanced binary tree over boxes, split at the median of their middles
  * along the longest side, stored in order: node k over items [from, to) has its left
- * half next to it. See boxtree.h. */
+ * half next to it. Where far more pairs of boxes meet than there are boxes, as around long thin
+ * triangles aslant, each node gets a tilted box as well, and these are asked too. See boxtree.h. */
 #include "build/boxtree.h"
 
-enum { LEAF = 4, MAX_DEPTH = 64 };
+#include <math.h>
+
+#include "build/tilted.h"
+
+enum { LEAF = 4, MAX_DEPTH = 64, MANY = 32 }; /* MANY: pairs a box before boxes are tilted */
 
 typedef struct node {
   tet_box box;
@@ -19,6 +24,13 @@ typedef struct node_pair {
 typedef struct tree {
   tet_ctx *ctx;
   const tet_box *box;
+  uint32_t n;
+  tet_box_corners_fn corners;
+  tet_box_pair_fn pair;
+  void *user;
+  uint64_t n_pairs;   /* asked so far */
+  tet_tilted *tilted; /* [n_nodes], or NULL */
+  double most;        /* largest coordinate */
   uint32_t *order;
   node *nodes;
   uint32_t n_nodes;
@@ -114,26 +126,48 @@ static tet_status build(tree *t, uint32_t n) {
 
 static tet_status push(tree *t, uint32_t a, uint32_t b) {
   if (a != b && !tet_boxes_meet(&t->nodes[a].box, &t->nodes[b].box)) return TET_OK;
+  if (a != b && t->tilted && tet_tilted_apart(&t->tilted[a], &t->tilted[b], t->most)) return TET_OK;
   tet_status st = tet_grow(t->ctx, &t->stack, &t->cap_stack, (size_t)t->n_stack + 1, sizeof *t->stack);
   if (st == TET_OK) t->stack[t->n_stack++] = (node_pair){a, b};
   return st;
 }
 
-static tet_status leaf_pairs(const tree *t, const node *a, const node *b, tet_box_pair_fn pair, void *user) {
+/* Tilted boxes for all nodes. */
+static tet_status tilt(tree *t) {
+  const double **x = tet_alloc(t->ctx, 3 * (size_t)t->n, sizeof *x);
+  t->tilted = tet_alloc(t->ctx, t->n_nodes, sizeof *t->tilted);
+  tet_status st = x && t->tilted ? TET_OK : tet_ctx_error(t->ctx)->status;
+  for (uint32_t i = 0; i < t->n && st == TET_OK; i++) {
+    t->corners(t->user, t->order[i], x + 3 * (size_t)i);
+    for (int k = 0; k < 3; k++)
+      t->most = fmax(t->most, fmax(fabs(t->box[i].lo[k]), fabs(t->box[i].hi[k])));
+  }
+  for (uint32_t k = 0; k < t->n_nodes && st == TET_OK; k++) {
+    const node *a = &t->nodes[k];
+    tet_tilted_begin(x + 3 * (size_t)a->from, a->to - a->from, &t->tilted[k]);
+    for (size_t i = 3 * (size_t)a->from; i < 3 * (size_t)a->to; i++) tet_tilted_add(&t->tilted[k], x[i]);
+    if (k % 256 == 0) st = tet_poll(t->ctx);
+  }
+  tet_free(t->ctx, x);
+  return st;
+}
+
+static tet_status leaf_pairs(tree *t, const node *a, const node *b) {
   for (uint32_t i = a->from; i < a->to; i++)
     for (uint32_t j = a == b ? i + 1 : b->from; j < b->to; j++) {
       uint32_t x = t->order[i], y = t->order[j];
       if (!tet_boxes_meet(&t->box[x], &t->box[y])) continue;
-      tet_status st = pair(user, x < y ? x : y, x < y ? y : x);
+      t->n_pairs++;
+      tet_status st = t->pair(t->user, x < y ? x : y, x < y ? y : x);
       if (st != TET_OK) return st;
     }
   return TET_OK;
 }
 
-static tet_status step(tree *t, tet_box_pair_fn pair, void *user) {
+static tet_status step(tree *t) {
   node_pair p = t->stack[--t->n_stack];
   const node *a = &t->nodes[p.a], *b = &t->nodes[p.b];
-  if (!a->right && !b->right) return leaf_pairs(t, a, b, pair, user);
+  if (!a->right && !b->right) return leaf_pairs(t, a, b);
   tet_status st;
   if (p.a == p.b) {
     if ((st = push(t, p.a + 1, p.a + 1)) == TET_OK && (st = push(t, a->right, a->right)) == TET_OK)
@@ -148,8 +182,9 @@ static tet_status step(tree *t, tet_box_pair_fn pair, void *user) {
   return st;
 }
 
-tet_status tet_box_pairs(tet_ctx *ctx, const tet_box *box, uint32_t n, tet_box_pair_fn pair, void *user) {
-  tree t = {.ctx = ctx, .box = box};
+tet_status tet_box_pairs(tet_ctx *ctx, const tet_box *box, uint32_t n, tet_box_corners_fn corners,
+                         tet_box_pair_fn pair, void *user) {
+  tree t = {.ctx = ctx, .box = box, .n = n, .corners = corners, .pair = pair, .user = user};
   tet_status st = TET_OK;
   if (n < 2) return TET_OK;
   t.order = tet_alloc(ctx, n, sizeof *t.order);
@@ -159,10 +194,12 @@ tet_status tet_box_pairs(tet_ctx *ctx, const tet_box *box, uint32_t n, tet_box_p
   if (st == TET_OK) st = push(&t, 0, 0);
   for (uint64_t steps = 0; t.n_stack > 0 && st == TET_OK; steps++) {
     if (steps % 1024 == 0) st = tet_poll(ctx);
-    if (st == TET_OK) st = step(&t, pair, user);
+    if (st == TET_OK && !t.tilted && t.n_pairs > MANY * (uint64_t)n) st = tilt(&t);
+    if (st == TET_OK) st = step(&t);
   }
   tet_free(ctx, t.order);
   tet_free(ctx, t.nodes);
+  tet_free(ctx, t.tilted);
   tet_free(ctx, t.stack);
   return st;
 }

@@ -19,7 +19,8 @@ enum { MOST_ROUNDS = 4, MOST_ATTEMPTS = 8 };
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
   tet_pieces_free(ctx, &r->pieces);
   tet_free(ctx, r->same_as);
-  r->same_as = NULL;
+  tet_free(ctx, r->facet_same_as);
+  r->same_as = r->facet_same_as = NULL;
 }
 
 tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *ret_v) {
@@ -118,9 +119,14 @@ static tet_status build_delaunay(tet_state *st, uint32_t threads, tet_build_resu
 }
 
 static void count_surface(tet_state *st, tet_build_result *r) {
-  const tet_surface *s = &st->surface;
+  tet_surface *s = &st->surface;
+  r->n_input_facets = st->pls->n_facets;
+  r->facet_same_as = s->facet_same_as;
+  s->facet_same_as = NULL;
   memcpy(r->same_as, s->same_as, st->n_input * sizeof *r->same_as);
   r->planarity = s->planarity;
+  r->merged_angle = s->merged_angle;
+  r->merged_distance = s->merged_distance;
   st->counts.duplicate_vertices = s->n_duplicates;
   st->counts.repeated_facets = s->n_repeated_facets;
   st->counts.unused_vertices = s->n_unused;
@@ -157,7 +163,7 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
   uint32_t *face_tri = NULL;
   st->breaks = breaks;
   tet_stage_begin(st->ctx, "surface");
-  tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, &st->surface);
+  tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, o->merge_angle, &st->surface);
   if (status != TET_OK) return status;
   if ((status = tet_check_seeds(st)) != TET_OK) return status;
   count_surface(st, r);

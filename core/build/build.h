@@ -17,12 +17,16 @@ typedef struct tet_build_options {
   int keep_hull;              /* outside and holes stay (2.4.2) */
   double planarity_tolerance; /* absolute; 0: 1e-5 of the box's diagonal */
   uint32_t threads;           /* of the Delaunay stage, at least 1 */
+  double merge_angle;         /* degrees; see surface.h */
 } tet_build_options;
 
 typedef struct tet_build_result {
   tet_pieces pieces;
   uint32_t *same_as;   /* [n_input] survivor of a merged duplicate, else itself */
+  uint32_t n_input_facets; /* 0 of the stage delaunay */
+  uint32_t *facet_same_as; /* [n_input_facets] lowest facet merged with it, or that it repeats, else itself */
   double planarity;    /* largest deviation of a polygon from its plane */
+  double merged_angle, merged_distance; /* see surface.h */
   tet_counts counts;   /* of these stages; the others 0 */
 } tet_build_result;
 

@@ -319,6 +319,18 @@ static tet_status test_pair(void *user, uint32_t i, uint32_t j) {
   return j < points ? triangle_piece(f, i, j - pieces) : triangle_point(f, i, s->loose[j - points]);
 }
 
+/* The vertices of item i, the last one again where there are fewer than three. */
+static void corners_of(void *user, uint32_t i, const double *ret_x[3]) {
+  const tet_soup *s = ((const finder *)user)->s;
+  uint32_t v[3], pieces = s->n_tris, points = s->n_tris + s->n_pieces;
+  for (int k = 0; k < 3; k++) {
+    if (i < pieces) v[k] = s->tri[3 * (size_t)i + (size_t)k];
+    else if (i < points) v[k] = k ? s->piece[i - pieces].b : s->piece[i - pieces].a;
+    else v[k] = s->loose[i - points];
+    ret_x[k] = tet_soup_x(s, v[k]);
+  }
+}
+
 static tet_box box_of(const tet_soup *s, const uint32_t *v, int n) {
   tet_box b;
   for (int k = 0; k < 3; k++) {
@@ -345,7 +357,7 @@ tet_status tet_find_intersections(tet_soup *s) {
     box[k++] = box_of(s, v, 2);
   }
   for (uint32_t p = 0; p < s->n_loose; p++) box[k++] = box_of(s, &s->loose[p], 1);
-  tet_status st = tet_box_pairs(s->ctx, box, (uint32_t)n, test_pair, &f);
+  tet_status st = tet_box_pairs(s->ctx, box, (uint32_t)n, corners_of, test_pair, &f);
   tet_free(s->ctx, box);
   return st;
 }

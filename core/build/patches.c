@@ -4,9 +4,12 @@
  *
  * Every distinct edge becomes a segment, or an inner edge of a patch. Inner: edges of
  * a facet's own triangulation between exactly coplanar triangles, and sides that two
- * coplanar flat facets of one marker share alone; those facets are one. */
+ * coplanar flat facets of one marker share alone; those facets are one. Where such facets meet at an
+ * angle that the caller calls flat, the side stays a segment, a crease. */
+#include <math.h>
 #include <string.h>
 
+#include "base/vector.h"
 #include "build/soup.h"
 #include "exact/predicates.h"
 
@@ -92,6 +95,40 @@ static int coplanar(const joiner *w, uint32_t g, uint32_t h) {
   return tet_orient3d(w->s->points, t[0], t[1], t[2], w->s->tri[tet_prev3(h)]) == 0;
 }
 
+/* The way from the line ab to x, turned by a quarter around it. */
+static void arm(const joiner *w, uint32_t a, uint32_t b, uint32_t x, double ret[3]) {
+  double u[3], d[3];
+  tet_minus(tet_soup_x(w->s, b), tet_soup_x(w->s, a), u);
+  tet_minus(tet_soup_x(w->s, x), tet_soup_x(w->s, a), d);
+  double scale = sqrt(tet_square(u)), size = sqrt(tet_square(d)); /* no square of theirs overflows below */
+  for (int k = 0; k < 3; k++) {
+    u[k] /= scale;
+    d[k] /= size;
+  }
+  tet_cross(u, d, ret);
+}
+
+/* Do two triangles meet at edge e flat enough to be one for refinement? Then notes how far from flat.
+ * In doubles: what is merged steers points, and stays where it is. */
+static int is_nearly_flat(const joiner *w, const soup_edge *e, uint32_t g, uint32_t h) {
+  double p[3], q[3], across[3], limit = tet_sine_of_degrees(w->s->merge_angle);
+  uint32_t x = w->s->tri[tet_prev3(g)], y = w->s->tri[tet_prev3(h)];
+  arm(w, e->a, e->b, x, p);
+  arm(w, e->a, e->b, y, q);
+  tet_cross(p, q, across);
+  double cosine = -tet_dot(p, q), sine2 = tet_square(across), lengths2 = tet_square(p) * tet_square(q);
+  if (!(limit > 0 && cosine > 0 && sine2 <= limit * limit * lengths2)) return 0;
+  double angle = atan2(sqrt(sine2), cosine) * (180 / 3.14159265358979323846);
+  if (angle > w->r->merged_angle) w->r->merged_angle = angle;
+  for (int k = 0; k < 2; k++) {
+    double d[3], away = sqrt(sine2 / lengths2);
+    tet_minus(tet_soup_x(w->s, k ? y : x), tet_soup_x(w->s, e->a), d);
+    double distance = away * sqrt(tet_square(k ? q : p)) * sqrt(tet_square(d));
+    if (distance > w->r->merged_distance) w->r->merged_distance = distance;
+  }
+  return 1;
+}
+
 /* Decides crease and merge of an edge; returns 1 if it is a segment. */
 static int classify(const joiner *w, soup_edge *e) {
   const tet_soup *s = w->s;
@@ -103,8 +140,9 @@ static int classify(const joiner *w, soup_edge *e) {
     return e->crease;
   }
   if (!(s->edge[g] & s->edge[h] & TET_EDGE_BORDER)) return 1;
-  e->merge = s->flat[f] && s->flat[k] && tet_facet_marker(s->pls, f) == tet_facet_marker(s->pls, k) &&
-             coplanar(w, g, h);
+  if (tet_facet_marker(s->pls, f) != tet_facet_marker(s->pls, k)) return 1;
+  e->merge = s->flat[f] && s->flat[k] && coplanar(w, g, h);
+  e->crease = !e->merge && is_nearly_flat(w, e, g, h);
   return !e->merge;
 }
 
@@ -153,8 +191,10 @@ static tet_status make_facets(joiner *w) {
   const tet_soup *s = w->s;
   tet_surface *r = w->r;
   r->facet = tet_alloc(s->ctx, s->pls->n_facets, sizeof *r->facet);
-  if (!r->facet) return tet_ctx_error(s->ctx)->status;
+  r->facet_same_as = tet_alloc(s->ctx, s->pls->n_facets, sizeof *r->facet_same_as);
+  if (!r->facet || !r->facet_same_as) return tet_ctx_error(s->ctx)->status;
   for (uint32_t f = 0; f < s->pls->n_facets; f++) {
+    r->facet_same_as[f] = root(w, s->repeats[f] != TET_NONE ? s->repeats[f] : f);
     if (s->first[f] == s->first[f + 1] || root(w, f) != f) continue;
     w->row[f] = r->n_facets;
     r->facet[r->n_facets++] = (tet_facet){f, tet_facet_marker(s->pls, f)};

@@ -56,6 +56,7 @@ typedef struct tet_soup {
   const tet_pls *pls;
   const tet_points *points;
   double tolerance;
+  double merge_angle; /* degrees */
   uint32_t *same_as; /* [n_points] */
   uint8_t *used;     /* [n_points] */
   uint32_t *repeats; /* [n_facets] the earlier facet that is the same, for which it is

@@ -178,6 +178,7 @@ tet_status tet_surface_split(tet_ctx *ctx, tet_surface *s, const tet_points *poi
 void tet_surface_free(tet_ctx *ctx, tet_surface *s) {
   tet_free(ctx, s->patch);
   tet_free(ctx, s->repeats);
+  tet_free(ctx, s->facet_same_as);
   tet_free(ctx, s->tri);
   tet_free(ctx, s->tri_adj);
   tet_free(ctx, s->tri_seg);

@@ -170,10 +170,10 @@ static int is_known(const tet_soup *s, uint32_t m, const tet_constraint *c) {
   return 0;
 }
 
-/* Adds those new constraints whose ends are vertices of their facet; *ret_added
+/* Adds those new constraints whose ends are vertices of their facet, or with `joins` join it; *ret_added
  * counts them. The others stay in new_constraint. */
-static tet_status apply_constraints(tet_soup *s, uint32_t *ret_added) {
-  uint32_t n = s->n_new_constraints, left = 0, m = s->n_constraints, marked = TET_NONE;
+static tet_status apply_constraints(tet_soup *s, int joins, uint32_t *ret_added) {
+  uint32_t n = s->n_new_constraints, left = 0, m = s->n_constraints, marked = TET_NONE, j = 0;
   *ret_added = 0;
   if (n == 0) return TET_OK;
   qsort(s->new_constraint, n, sizeof *s->new_constraint, compare_constraints);
@@ -186,6 +186,8 @@ static tet_status apply_constraints(tet_soup *s, uint32_t *ret_added) {
     if (marked != c.facet)
       for (uint32_t h = 3 * s->first[c.facet]; h < 3 * s->first[c.facet + 1]; h++) mark[s->tri[h]] = c.facet;
     marked = c.facet;
+    for (; joins && j < s->n_joins && s->join[j].facet <= c.facet; j++) /* both are sorted by facet */
+      if (s->join[j].facet == c.facet) mark[s->join[j].vertex] = c.facet;
     if (is_known(s, m, &c)) continue;
     if (mark[c.a] == c.facet && mark[c.b] == c.facet) s->constraint[m++] = c;
     else s->new_constraint[left++] = c;
@@ -198,6 +200,24 @@ static tet_status apply_constraints(tet_soup *s, uint32_t *ret_added) {
   }
   tet_free(s->ctx, mark);
   return st;
+}
+
+/* With the joins of a round, those of its new constraints that no join can change: sides of facets that
+ * nothing joins, between vertices that their new facet has now. Or else a facet would be triangulated
+ * across all segments that it is about to take, and would meet the square of their number. */
+static tet_status apply_early(tet_soup *s) {
+  uint32_t n = s->n_new_constraints, kept = 0;
+  if (n == 0 || s->n_splits > 0) return TET_OK;
+  uint8_t *joined = tet_calloc(s->ctx, s->pls->n_facets, 1);
+  if (!joined) return tet_ctx_error(s->ctx)->status;
+  for (uint32_t i = 0; i < s->n_new_joins; i++) joined[s->new_join[i].facet] = 1;
+  for (uint32_t i = 0; i < n; i++) {
+    const tet_constraint c = s->new_constraint[i];
+    if (c.kind == TET_OFFENDER_FACET && !joined[c.owner]) s->new_constraint[kept++] = c;
+  }
+  tet_free(s->ctx, joined);
+  s->n_new_constraints = kept;
+  return apply_constraints(s, 1, &n);
 }
 
 /* Segments in a facet's plane that leave the facet other than at a vertex. */
@@ -223,10 +243,11 @@ static tet_status resolve(tet_soup *s) {
     if (st == TET_OK) st = tet_find_intersections(s);
     if (st != TET_OK) return st;
     if (s->n_new_joins + s->n_splits > 0) {
-      if ((st = apply_joins(s)) != TET_OK || (st = apply_splits(s)) != TET_OK) return st;
+      if ((st = apply_joins(s)) != TET_OK || (st = apply_early(s)) != TET_OK || (st = apply_splits(s)) != TET_OK)
+        return st;
       continue;
     }
-    if ((st = apply_constraints(s, &added)) != TET_OK) return st;
+    if ((st = apply_constraints(s, 0, &added)) != TET_OK) return st;
     if (added > 0) continue;
     st = fault_constraints(s);
     return st == TET_OK ? tet_soup_fail(s) : st;
@@ -270,8 +291,8 @@ static tet_status start(tet_soup *s) {
 }
 
 tet_status tet_surface_build(tet_ctx *ctx, const tet_pls *pls, const tet_points *points, double tolerance,
-                             tet_surface *ret_surface) {
-  tet_soup s = {.ctx = ctx, .pls = pls, .points = points, .tolerance = tolerance};
+                             double merge_angle, tet_surface *ret_surface) {
+  tet_soup s = {.ctx = ctx, .pls = pls, .points = points, .tolerance = tolerance, .merge_angle = merge_angle};
   tet_surface r = {0};
   tet_status st = tet_check_pls(ctx, pls);
   if (st == TET_OK) st = start(&s);

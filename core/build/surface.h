@@ -58,12 +58,17 @@ typedef struct tet_surface {
   uint8_t *used;            /* [n_input] 1: vertex of the triangulation (facet, segment,
                                loose point); survivors only */
   uint32_t *repeats;        /* [n_facets] the earlier input facet that is the same, or TET_NONE */
+  uint32_t *facet_same_as;  /* [n_facets] lowest input facet merged with it, or that it repeats, else itself */
   double planarity;         /* largest distance of a polygon vertex from its facet's plane */
+  double merged_angle;      /* degrees: the largest angle off flat at which two facets were merged; 0: none were so */
+  double merged_distance;   /* largest distance of a triangle's vertex there from the other one's plane */
   uint64_t n_duplicates, n_repeated_facets, n_unused;
 } tet_surface;
 
 /* Builds and validates the surface of `pls`. `points` views the input's vertices
- * (no implicit ones). `tolerance`: absolute planarity tolerance (> 0).
+ * (no implicit ones). `tolerance`: absolute planarity tolerance (> 0). `merge_angle`: degrees, below
+ * 90: how far from flat facets of one marker may meet, at a side that only they have, for it to be a
+ * crease; 0: none is.
  * Resolved: duplicates (lowest index survives), a vertex exactly on a segment or
  * facet (splits or joins it), repeated facets (one kept, counted), coplanar facets
  * of one marker that share an edge only they have (merged).
@@ -71,7 +76,7 @@ typedef struct tet_surface {
  * of range, polygons out of plane, facets without area; with all offending pairs
  * up to TET_MAX_OFFENDERS in the error. About n log n. */
 tet_status tet_surface_build(tet_ctx *ctx, const tet_pls *pls, const tet_points *points,
-                             double tolerance, tet_surface *ret_surface);
+                             double tolerance, double merge_angle, tet_surface *ret_surface);
 
 /* Splits subsegment `e` at vertex `v` (on it, index beyond all earlier ones),
  * in every incident patch, and restores the patches' constrained Delaunay

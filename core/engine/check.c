@@ -21,6 +21,9 @@ tet_status tet_check_options(tet_ctx *ctx, const tet_options *o) {
   if (!(o->planarity_tolerance >= 0) || !isfinite(o->planarity_tolerance))
     return tet_fail(ctx, TET_E_ARGUMENT, "a planarity tolerance of %g: it must be positive, or 0 for the default",
                     o->planarity_tolerance);
+  if (!(o->merge_angle >= 0 && o->merge_angle <= TET_MOST_MERGE_ANGLE))
+    return tet_fail(ctx, TET_E_ARGUMENT, "a merge angle of %g degrees: it must be from 0, for none, to %d",
+                    o->merge_angle, TET_MOST_MERGE_ANGLE);
   if (o->threads < 1 || o->threads > TET_MAX_THREADS)
     return tet_fail(ctx, TET_E_ARGUMENT, "%u threads: there can be 1 to %d", o->threads, TET_MAX_THREADS);
   if (o->voronoi != TET_VORONOI_NONE && o->voronoi != TET_VORONOI_FACTORS && o->voronoi != TET_VORONOI_DIAGRAM)

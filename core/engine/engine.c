@@ -34,8 +34,9 @@ static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_res
 }
 
 /* What the stages claim; the audit then looks whether it is so. */
-static tet_promise promise(const tet_options *options, double planarity, const tet_refine_result *refined) {
-  tet_promise p = {.planarity = planarity};
+static tet_promise promise(const tet_options *options, const tet_build_result *built, const tet_refine_result *refined) {
+  tet_promise p = {.planarity = built->planarity, .merge_angle = options->merge_angle,
+                   .merged_angle = built->merged_angle, .merged_distance = built->merged_distance};
   p.covered = options->stage != TET_STAGE_DELAUNAY && !options->keep_hull;
   p.convex = options->stage == TET_STAGE_DELAUNAY; /* on a kept hull Steiner points round */
   p.constrained_delaunay = refined ? refined->constrained_delaunay : 1;
@@ -83,12 +84,12 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
   tet_status status = tet_pack_mesh(ctx, pls, options, built, refined, mesh);
   if (status == TET_OK) status = tet_order_mesh(ctx, mesh, options->point_order);
   if (status != TET_OK) return status;
-  report->promised = promise(options, built->planarity, refined);
+  report->promised = promise(options, built, refined);
   count(report, built, refined);
   if (refined) status = tet_complete_exceptions(ctx, mesh);
   if (status != TET_OK) return status;
   tet_stage_begin(ctx, "audit");
-  status = tet_audit_mesh(ctx, mesh, &report->audit);
+  status = tet_audit_mesh(ctx, options->stage == TET_STAGE_DELAUNAY ? NULL : pls, mesh, &report->audit);
   if (status == TET_OK) status = tet_measure_quality(ctx, mesh, &report->quality);
   if (status == TET_OK && options->voronoi) status = add_voronoi(ctx, options, mesh);
   if (status != TET_OK) return status;
@@ -101,7 +102,8 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
 
 /* From checked input to *ret_mesh. */
 static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
-  tet_build_options how = {options->stage, options->keep_hull, options->planarity_tolerance, options->threads};
+  tet_build_options how = {options->stage, options->keep_hull, options->planarity_tolerance, options->threads,
+                           options->merge_angle};
   tet_build_result built;
   tet_refine_result refined = {.n_exceptions = 0};
   int refining = options->stage == TET_STAGE_REFINE;

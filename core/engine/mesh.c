@@ -8,7 +8,8 @@ void tet_mesh_free(tet_mesh *mesh) {
   if (!mesh) return;
   tet_ctx *ctx = mesh->ctx;
   void *all[] = {mesh->points, mesh->point_attributes, mesh->point_markers, mesh->point_origin, mesh->point_same_as,
-                 mesh->tetrahedra, mesh->tetrahedron_regions, mesh->neighbours, mesh->subfaces, mesh->subface_facets,
+                 mesh->tetrahedra, mesh->tetrahedron_regions, mesh->neighbours, mesh->facet_same_as, mesh->subfaces,
+                 mesh->subface_facets,
                  mesh->subface_markers, mesh->subsegments, mesh->subsegment_segments, mesh->subsegment_markers,
                  mesh->region_markers, mesh->region_attributes, mesh->region_max_volumes, mesh->exception_tetrahedra,
                  mesh->exception_radius_edge, mesh->exception_segments, mesh->sliver_tetrahedra,

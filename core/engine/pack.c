@@ -44,7 +44,10 @@ static void pack_tetrahedra(const tet_options *options, tet_pieces *p, tet_mesh 
     if (m->neighbours[i] != TET_NONE) m->neighbours[i] /= 4;
 }
 
-static tet_status pack_constraints(tet_ctx *ctx, tet_pieces *p, tet_mesh *m) {
+static tet_status pack_constraints(tet_ctx *ctx, tet_build_result *built, tet_mesh *m) {
+  tet_pieces *p = &built->pieces;
+  m->n_input_facets = built->n_input_facets;
+  take(&m->facet_same_as, &built->facet_same_as);
   m->n_subfaces = p->n_subfaces;
   m->n_subsegments = p->n_subsegs;
   m->subface_markers = tet_alloc(ctx, p->n_subfaces, sizeof *m->subface_markers);
@@ -73,7 +76,7 @@ static void pack_regions(tet_pieces *p, tet_mesh *m) {
 tet_status tet_pack_mesh(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_build_result *built,
                          tet_refine_result *refined, tet_mesh *mesh) {
   tet_status status = pack_points(ctx, pls, built, mesh);
-  if (status == TET_OK) status = pack_constraints(ctx, &built->pieces, mesh);
+  if (status == TET_OK) status = pack_constraints(ctx, built, mesh);
   if (status != TET_OK) return status;
   pack_tetrahedra(options, &built->pieces, mesh);
   pack_regions(&built->pieces, mesh);

@@ -31,8 +31,9 @@ extern const uint8_t tet_face[4][3];
 typedef struct tet_segment {
   uint32_t a, b;
   int32_t marker;
-  uint8_t crease; /* a diagonal inside one non-planar input facet: kept for
-                     exactness, no sharp segment, not promised Gabriel */
+  uint8_t crease; /* a diagonal inside one non-planar input facet, or a side of two
+                     merged by an angle: kept for exactness, no sharp segment, not
+                     promised Gabriel */
   uint8_t loose;  /* bounds no facet */
 } tet_segment;
 

@@ -304,11 +304,11 @@ static tet_status take_over(refiner *r) {
   return TET_OK;
 }
 
-/* 1 if the two subfaces at crease e are in one plane but for last bits. */
+/* 1 if the two subfaces at crease e are of one facet and in one plane but for last bits. */
 static int is_flat_crease(const refiner *r, uint32_t e) {
   static const double tolerance = 1e-12;
   uint32_t h = r->seg_sub[e], o = h == TET_NONE ? h : r->ring[h];
-  if (h == o || r->ring[o] != h) return 0;
+  if (h == o || r->ring[o] != h || r->out->subface_facet[h / 3] != r->out->subface_facet[o / 3]) return 0;
   const uint32_t *v = r->sub_v + 3 * (size_t)(h / 3);
   uint32_t apex = r->sub_v[o - o % 3 + (o + 2) % 3];
   const double *a = refine_x(r, v[0]), *d = refine_x(r, apex);

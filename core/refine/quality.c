@@ -77,22 +77,11 @@ double refine_sharpest(const refiner *r, uint32_t t) {
 
 int refine_is_sliver(const refiner *r, uint32_t t) { return 1 - refine_sharpest(r, t) < r->sliver_sine2; }
 
-/* The sine of an angle of few degrees by its series: the same bits everywhere, as what it bounds
- * decides where points go. */
-static double sine_of_degrees(double degrees) {
-  double x = degrees * (3.14159265358979323846 / 180), term = x, sum = x;
-  for (int k = 1; k < 12; k++) {
-    term *= -x * x / (2 * k * (2 * k + 1));
-    sum += term;
-  }
-  return sum;
-}
-
 /* The bounds: of the sine of dihedral angles, and of each region's volumes, INFINITY where there
  * is none. */
 tet_status refine_set_bounds(refiner *r) {
   const tet_pieces *p = r->out;
-  double sine = sine_of_degrees(r->o.min_dihedral);
+  double sine = tet_sine_of_degrees(r->o.min_dihedral);
   r->sliver_sine2 = sine * sine / slack;
   r->max_volume = tet_alloc(r->ctx, p->n_regions, sizeof *r->max_volume);
   if (!r->max_volume && p->n_regions) return TET_E_MEMORY;

@@ -22,9 +22,9 @@ static tet_status plane_angles(refiner *r) {
   uint32_t n = r->points.n;
   uint32_t *start = tet_calloc(r->ctx, (size_t)n + 2, sizeof *start);
   uint32_t *at = tet_alloc(r->ctx, 2 * (size_t)p->n_segments, sizeof *at);
-  uint8_t *live = tet_calloc(r->ctx, p->n_segments, 1); /* not so: creases that load.c dropped */
+  uint8_t *live = tet_calloc(r->ctx, p->n_segments, 1); /* not so: creases, and what load.c dropped of them */
   tet_status status = start && at && live ? TET_OK : TET_E_MEMORY;
-  for (uint32_t e = 0; e < r->n_segs && !status; e++) live[r->seg_of[e]] = 1;
+  for (uint32_t e = 0; e < r->n_segs && !status; e++) live[r->seg_of[e]] = !p->segment[r->seg_of[e]].crease;
   if (!status) {
     for (uint32_t s = 0; s < p->n_segments; s++)
       if (live[s]) start[p->segment[s].a + 2]++, start[p->segment[s].b + 2]++;
@@ -90,7 +90,7 @@ static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
 static void dihedral_angles(refiner *r) {
   for (uint32_t e = 0; e < r->n_segs; e++) {
     uint32_t start = r->seg_sub[e], a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
-    if (start == TET_NONE || r->segment_sharp[r->seg_of[e]] & 2) continue;
+    if (start == TET_NONE || r->segment_sharp[r->seg_of[e]] & 2 || r->out->segment[r->seg_of[e]].crease) continue;
     uint32_t edge = start;
     do {
       for (int side = 0; side < 2; side++) {

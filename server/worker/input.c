@@ -87,6 +87,7 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   ret_options->min_dihedral = from->min_dihedral;
   ret_options->keep_hull = from->keep_hull;
   ret_options->planarity_tolerance = from->planarity_tolerance;
+  ret_options->merge_angle = from->merge_angle;
   ret_options->neighbours = from->neighbours;
   ret_options->voronoi = voronoi[from->voronoi];
   ret_options->seed = from->seed;

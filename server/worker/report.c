@@ -80,6 +80,11 @@ static json_t *promised_json(const tet_promise *p) {
                         "region_volumes", p->region_volumes, "planarity", number(p->planarity));
   if (p->radius_edge > 0.0) json_object_set_new(o, "radius_edge", number(p->radius_edge));
   if (p->max_volume > 0.0) json_object_set_new(o, "max_volume", number(p->max_volume));
+  if (p->merge_angle > 0.0) {
+    json_object_set_new(o, "merge_angle", number(p->merge_angle));
+    json_object_set_new(o, "merged_angle", number(p->merged_angle));
+    json_object_set_new(o, "merged_distance", number(p->merged_distance));
+  }
   if (p->min_dihedral > 0.0) json_object_set_new(o, "min_dihedral", number(p->min_dihedral));
   return o;
 }
@@ -103,6 +108,13 @@ static json_t *audit_json(const tet_audit *a) {
   set_count(o, "over_volume", a->over_volume);
   set_count(o, "under_dihedral", a->under_dihedral);
   set_count(o, "region_leaks", a->region_leaks);
+  set_count(o, "wrong_regions", a->wrong_regions);
+  set_count(o, "wrong_markers", a->wrong_markers);
+  set_count(o, "lost_vertices", a->lost_vertices);
+  set_count(o, "bad_segments", a->bad_segments);
+  set_count(o, "bad_facets", a->bad_facets);
+  set_count(o, "folded_subfaces", a->folded_subfaces);
+  if (a->bad_facets) set_count(o, "facet", a->facet);
   json_object_set_new(o, "passed", json_boolean(a->passed));
   return o;
 }

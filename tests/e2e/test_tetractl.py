@@ -463,6 +463,23 @@ def test_slivers_are_removed_unless_they_may_stay(tmp_path, cube):
     assert sum(angle < 12 for angle in least["more"]) == said["more"]["slivers"]["count"]
 
 
+def test_facets_are_merged_by_an_angle_and_the_report_says_how_far(tmp_path):
+    roof = tmp_path / "roof.off"  # its two sides meet at 11.42 degrees off flat
+    roof.write_text("OFF\n10 8 0\n0 0 0\n2 0 0\n2 1 0\n0 1 0\n0 0 1\n2 0 1\n2 1 1\n0 1 1\n1 0 1.1\n1 1 1.1\n"
+                    "4 0 1 2 3\n5 0 1 5 8 4\n4 1 2 6 5\n5 2 3 7 9 6\n4 3 0 4 7\n4 4 8 9 7\n4 8 5 6 9\n"
+                    "4 4 8 9 7\n", encoding="utf-8")
+    for angle, merged in ((11, 0), (12, 11.4211862)):
+        report = tmp_path / "r.json"
+        done = tetractl("mesh", roof, "-o", tmp_path / "a.node", "--merge-angle", str(angle), "--report", report)
+        assert done.returncode == 0, done.stderr
+        said = json.loads(report.read_text(encoding="utf-8"))
+        assert said["audit"]["passed"] is True and said["promised"]["merge_angle"] == angle
+        assert said["promised"]["merged_angle"] == pytest.approx(merged)
+        assert said["promised"]["merged_distance"] == pytest.approx(0.19900744 if merged else 0)
+    done = tetractl("mesh", roof, "-o", tmp_path / "a.node", "--report", report)
+    assert done.returncode == 0 and "merge_angle" not in json.loads(report.read_text(encoding="utf-8"))["promised"]
+
+
 def test_slivers_that_stay_are_listed_with_their_sharp_segment(tmp_path, wedge):
     out, report = tmp_path / "out.node", tmp_path / "r.json"
     done = tetractl("mesh", wedge, "-o", out, "--report", report, "--min-dihedral", "20")
@@ -482,8 +499,10 @@ def test_slivers_that_stay_are_listed_with_their_sharp_segment(tmp_path, wedge):
     (["--min-dihedral", "40"], "min_dihedral is no number from 0 to 30"), (["--min-dihedral", "-1"], "--min-dihedral"),
     (["--min-dihedral", "5", "--bound-only"], "--bound-only"),
     (["--stage", "cdt", "--min-dihedral", "5"], "--stage refine"),
-    (["--stage", "cdt", "--bound-only"], "--stage refine")])
-def test_wrong_bounds_of_dihedral_angles_end_with_2(tmp_path, cube, wrong, told):
+    (["--stage", "cdt", "--bound-only"], "--stage refine"),
+    (["--merge-angle", "46"], "merge_angle is no number from 0 to 45"), (["--merge-angle", "0"], "--merge-angle"),
+    (["--merge-angle", "x"], "--merge-angle"), (["--stage", "cdt", "--merge-angle", "5"], "--stage refine")])
+def test_wrong_angles_end_with_2(tmp_path, cube, wrong, told):
     done = tetractl("mesh", cube, "-o", tmp_path / "out.node", *wrong)
     assert done.returncode == 2 and told in done.stderr, done.stderr
     assert only(tmp_path, "cube.off")

@@ -3,7 +3,8 @@
  *
  *   meshpls INPUT(.node .poly .smesh .off) [PREFIX] [--stage delaunay|cdt|refine]
  *     [--radius-edge R] [--max-volume V] [--min-dihedral D] [--memory BYTES]
- *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--keep-hull] [--hilbert]
+ *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--merge-angle D]
+ *     [--keep-hull] [--hilbert]
  *
  * Writes PREFIX.node, .ele, .face and .edge, and one line of JSON on the standard
  * output. A developer's tool: files are believed, and people use tetractl. Exit status:
@@ -334,8 +335,9 @@ static void print_report(const job *j, const tet_mesh *m) {
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
          (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
-  printf(",\"promised\":{\"delaunay\":%d,\"cdt\":%d,\"gabriel\":%d,\"covered\":%d,\"planarity\":%.3g}", r->promised.delaunay,
-         r->promised.constrained_delaunay, r->promised.gabriel, r->promised.covered, r->promised.planarity);
+  printf(",\"promised\":{\"delaunay\":%d,\"cdt\":%d,\"gabriel\":%d,\"covered\":%d,\"planarity\":%.3g,\"merged\":[%.4g,%.3g]}", r->promised.delaunay,
+         r->promised.constrained_delaunay, r->promised.gabriel, r->promised.covered, r->promised.planarity,
+         r->promised.merged_angle, r->promised.merged_distance);
   printf(",\"audit\":{\"passed\":%s", a->passed ? "true" : "false");
   const struct { const char *name; uint64_t n; } fault[] = {
       {"bad_indices", a->bad_indices}, {"flat", a->flat_or_inverted}, {"adjacency", a->adjacency},
@@ -345,9 +347,12 @@ static void print_report(const job *j, const tet_mesh *m) {
       {"facet_slivers", a->facet_slivers},
       {"subfaces_encroached", a->subfaces_encroached}, {"subsegments_encroached", a->subsegments_encroached},
       {"over_radius_edge", a->over_radius_edge}, {"over_volume", a->over_volume},
-      {"under_dihedral", a->under_dihedral}, {"region_leaks", a->region_leaks}};
+      {"under_dihedral", a->under_dihedral}, {"region_leaks", a->region_leaks},
+      {"wrong_regions", a->wrong_regions}, {"wrong_markers", a->wrong_markers}, {"lost_vertices", a->lost_vertices},
+      {"bad_segments", a->bad_segments}, {"bad_facets", a->bad_facets}, {"folded_subfaces", a->folded_subfaces}};
   for (size_t i = 0; i < sizeof fault / sizeof *fault; i++)
     if (fault[i].n) printf(",\"%s\":%llu", fault[i].name, (unsigned long long)fault[i].n);
+  if (a->bad_facets) printf(",\"facet\":%u", a->facet);
   printf("},\"stages\":{");
   for (uint32_t i = 0; i < r->n_stages; i++) printf("%s\"%s\":%.4f", i ? "," : "", r->stages[i].name, r->stages[i].seconds);
   printf("}}\n");
@@ -367,6 +372,7 @@ static int take_value(job *j, const char *name, const char *value) {
   else if (strcmp(name, "--max-volume") == 0) j->options.max_volume = atof(value);
   else if (strcmp(name, "--min-dihedral") == 0) j->options.min_dihedral = atof(value);
   else if (strcmp(name, "--tolerance") == 0) j->options.planarity_tolerance = atof(value);
+  else if (strcmp(name, "--merge-angle") == 0) j->options.merge_angle = atof(value);
   else if (strcmp(name, "--memory") == 0) j->limits.memory_bytes = strtoull(value, NULL, 10);
   else if (strcmp(name, "--vertices") == 0) j->limits.max_vertices = strtoull(value, NULL, 10);
   else if (strcmp(name, "--deadline") == 0) j->limits.deadline_seconds = atof(value);

@@ -35,7 +35,7 @@ typedef enum tet_voronoi {
   TET_VORONOI_DIAGRAM = 2  /* these, and the cells as polyhedra */
 } tet_voronoi;
 
-enum { TET_MAX_THREADS = 31, TET_MOST_DIHEDRAL = 30 };
+enum { TET_MAX_THREADS = 31, TET_MOST_DIHEDRAL = 30, TET_MOST_MERGE_ANGLE = 45 };
 
 typedef struct tet_options {
   tet_stage stage;
@@ -45,6 +45,11 @@ typedef struct tet_options {
                                   slivers, which refinement removes (3.4.2); 0: none are; default 5 */
   int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
+  double merge_angle;          /* degrees, up to TET_MOST_MERGE_ANGLE: facets of one marker that meet within it of
+                                  flat, at a side that only they have, are one facet but for exactness: the side
+                                  is a crease, like a diagonal of a polygon out of plane. It is no sharp segment
+                                  and not promised Gabriel; the mesh holds it, and splits it where it must to be a
+                                  CDT. 0: only exactly coplanar ones are one, without a side; default */
   int neighbours;              /* deliver the neighbours array */
   tet_voronoi voronoi;         /* cells cut to the facets; not with DELAUNAY or keep_hull, whose hull has none */
   tet_point_order point_order; /* with HILBERT, point_same_as gives each input vertex's row */

@@ -54,7 +54,7 @@ typedef struct tet_quality {
 typedef struct tet_promise {
   int delaunay;              /* every face locally Delaunay */
   int constrained_delaunay;  /* every face off the subfaces locally Delaunay */
-  int gabriel;               /* subfaces and subsegments Gabriel, creases aside */
+  int gabriel;               /* subfaces and subsegments Gabriel, creases and merged sides aside */
   int covered;               /* every face of the mesh's boundary is a subface */
   int convex;                /* the mesh fills the convex hull of its vertices */
   double radius_edge;        /* bound, the listed exceptions aside; 0: none */
@@ -62,6 +62,9 @@ typedef struct tet_promise {
   double min_dihedral;       /* degrees, the listed slivers aside; 0: none */
   int region_volumes;        /* the regions' own bounds hold, the exceptions aside */
   double planarity;          /* largest deviation of a polygon from its plane */
+  double merge_angle;        /* degrees: sides of facets of one marker within it of flat are creases; 0: none */
+  double merged_angle;       /* the largest angle off flat among them, */
+  double merged_distance;    /* and the largest distance of a triangle's vertex there from the other one's plane */
 } tet_promise;
 
 /* What `audit` found by exact arithmetic on the arrays below: counts of faults. */
@@ -83,7 +86,15 @@ typedef struct tet_audit {
   uint64_t over_volume;
   uint64_t under_dihedral;      /* not listed as slivers, under the bound */
   uint64_t region_leaks;        /* faces off subfaces between two regions */
+  /* against the PLS; of the stage delaunay, 0 */
+  uint64_t wrong_regions;       /* that are not one part, or not where their seeds are; hole seeds in the mesh */
+  uint64_t wrong_markers;       /* subfaces without their facet's marker */
+  uint64_t lost_vertices;       /* moved, or inside and no vertex of the mesh */
+  uint64_t bad_segments;        /* loose segments that subsegments do not cover */
+  uint64_t bad_facets;          /* that their subfaces do not cover, or not once; parts outside the mesh aside */
+  uint64_t folded_subfaces;     /* turned over in their facet, or out of its plane */
   int passed;                   /* everything promised holds */
+  uint32_t facet;               /* the first of bad_facets, or TET_NONE */
 } tet_audit;
 
 /* Candidates that refinement found and did not insert, by reason. */
@@ -143,6 +154,9 @@ typedef struct tet_mesh {
   uint32_t *tetrahedron_regions; /* [n] row of the region table */
   uint32_t *neighbours;         /* [n][4] opposite vertex i, or TET_NONE; NULL unless asked for */
 
+  uint32_t n_input_facets;   /* of the PLS; 0 of the stage delaunay */
+  uint32_t *facet_same_as;   /* [n] lowest of the coplanar facets merged with it, or of those that it repeats, whose
+                                number its subfaces have; else itself */
   uint32_t n_subfaces;
   uint32_t *subfaces;        /* [n][3] */
   uint32_t *subface_facets;  /* [n] input facet */

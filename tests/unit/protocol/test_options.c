@@ -24,6 +24,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_true(options.max_volume == 0.0);
     assert_true(options.min_dihedral == 5.0);
     assert_false(options.keep_hull);
+    assert_true(options.merge_angle == 0.0);
     assert_int_equal(options.voronoi, TP_VORONOI_NONE);
     assert_int_equal(options.point_order, TP_ORDER_HILBERT);
     assert_true(options.memory_bytes == 0 && options.max_vertices == 0 && options.seed == 0);
@@ -44,6 +45,10 @@ static void refusals_name_the_option(void **state) {
       {"{\"min_dihedral\":30.01}", "options.min_dihedral"},
       {"{\"min_dihedral\":\"5\"}", "options.min_dihedral"},
       {"{\"min_dihedral\":false}", "options.min_dihedral"},
+      {"{\"merge_angle\":-1}", "options.merge_angle"},
+      {"{\"merge_angle\":46}", "options.merge_angle"},
+      {"{\"merge_angle\":\"5\"}", "options.merge_angle"},
+      {"{\"stage\":\"cdt\",\"merge_angle\":5}", "options.merge_angle"},
       {"{\"keep_hull\":1}", "options.keep_hull"},
       {"{\"planarity_tolerance\":-1e-9}", "options.planarity_tolerance"},
       {"{\"seed\":-1}", "options.seed"},
@@ -81,6 +86,7 @@ static void what_is_written_is_read(void **state) {
                              .min_dihedral = 0.0,
                              .keep_hull = true,
                              .planarity_tolerance = 1e-6,
+                             .merge_angle = 12.5,
                              .seed = UINT64_C(1) << 53,
                              .neighbours = true,
                              .point_order = TP_ORDER_INPUT_FIRST,
@@ -93,13 +99,13 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(json_object_size(json), 0);
   json_decref(json);
   json = tp_options_json(&wanted);
-  assert_int_equal(json_object_size(json), 11);
+  assert_int_equal(json_object_size(json), 12);
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&
               read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.keep_hull && read.neighbours &&
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
-              read.point_order == wanted.point_order && read.memory_bytes == 1 &&
+              read.merge_angle == 12.5 && read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
   for (int voronoi = TP_VORONOI_FACTORS; voronoi <= TP_VORONOI_DIAGRAM; voronoi++) {
     tp_options_default(&read);

@@ -97,7 +97,7 @@ uint32_t pls_box(pls_builder *b, int32_t first, const double lo[3], const double
 }
 
 tet_status pls_surface(pls_builder *b, tet_ctx *ctx, tet_surface *ret) {
-  return tet_surface_build(ctx, &b->pls, &b->points, 1e-9, ret);
+  return tet_surface_build(ctx, &b->pls, &b->points, 1e-9, 0, ret);
 }
 
 static uint32_t next3(uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }

@@ -197,15 +197,15 @@ static void out_of_plane(void **state) {
   f->b->x[3 * (v + 2) + 2] = 1e-6;
   pls_quad(f->b, 0, v, v + 1, v + 2, v + 3);
   refused(f, TET_E_NOT_PLANAR, 0);
-  tet_status st = tet_surface_build(f->ctx, &f->b->pls, &f->b->points, 1e-6, &f->s);
+  tet_status st = tet_surface_build(f->ctx, &f->b->pls, &f->b->points, 1e-6, 0, &f->s);
   assert_int_equal(st, TET_OK);
   assert_null(surface_fault(&f->s, &f->b->points));
   assert_true(f->s.planarity > 2e-7 && f->s.planarity < 3e-7);
   assert_int_equal(f->s.n_facets, 1);
   assert_int_equal(f->s.n_patches, 2);
-  uint32_t creases = 0;
-  for (uint32_t i = 0; i < f->s.n_segments; i++) creases += f->s.segment[i].crease;
-  assert_int_equal(creases, 1);
+  uint32_t n = 0;
+  for (uint32_t i = 0; i < f->s.n_segments; i++) n += f->s.segment[i].crease;
+  assert_int_equal(n, 1);
   assert_int_equal(f->s.n_segments, 5);
 }
 
@@ -231,6 +231,46 @@ static void merged_fan(void **state) {
   pls_triangle(f->b, 8, 1, 3, 0);
   built(f);
   assert_int_equal(f->s.n_facets, 3);
+}
+
+static uint32_t creases(fixture *f, double merge_angle) {
+  uint32_t n = 0;
+  tet_surface_free(f->ctx, &f->s);
+  memset(&f->s, 0, sizeof f->s);
+  assert_int_equal(tet_surface_build(f->ctx, &f->b->pls, &f->b->points, 1e-6, merge_angle, &f->s), TET_OK);
+  assert_null(surface_fault(&f->s, &f->b->points));
+  for (uint32_t i = 0; i < f->s.n_segments; i++) n += f->s.segment[i].crease;
+  return n;
+}
+
+/* Two squares at atan(0.1), 5.71 degrees, off flat; the side between them is a crease if the caller
+ * says so, unless it is more than theirs, or its facets differ. Folded back they are not flat. */
+static void merged_by_an_angle(void **state) {
+  fixture *f = *state;
+  uint32_t v = rectangle(f, 0, 0, 1, 1);
+  pls_point(f->b, 2, 0, 0.1), pls_point(f->b, 2, 1, 0.1);
+  pls_quad(f->b, 8, v, v + 1, v + 2, v + 3);
+  pls_quad(f->b, 8, v + 1, v + 4, v + 5, v + 2);
+  assert_int_equal(creases(f, 0), 0);
+  assert_int_equal(creases(f, 5.7), 0);
+  assert_true(f->s.merged_angle == 0 && f->s.merged_distance == 0);
+  assert_int_equal(creases(f, 5.72), 1);
+  assert_int_equal(f->s.n_facets, 2);
+  assert_int_equal(f->s.n_segments, 7);
+  assert_true(fabs(f->s.merged_angle - 5.710593) < 1e-6);
+  assert_true(fabs(f->s.merged_distance - 0.1) < 1e-9); /* of the second one's far side from the first one's plane */
+  f->b->facet_markers[1] = 9;
+  assert_int_equal(creases(f, 45), 0);
+  f->b->facet_markers[1] = 8;
+  f->b->x[3 * (v + 4)] = f->b->x[3 * (v + 5)] = 0;
+  assert_int_equal(creases(f, 45), 0);
+  f->b->x[3 * (v + 4)] = f->b->x[3 * (v + 5)] = 2;
+  pls_segment(f->b, 0, v + 2, v + 1);
+  assert_int_equal(creases(f, 45), 0);
+  f->b->pls.n_segments = 0;
+  assert_int_equal(creases(f, 45), 1);
+  pls_triangle(f->b, 8, v + 1, v + 2, 0);
+  assert_int_equal(creases(f, 45), 0);
 }
 
 static void declared_segment_is_kept(void **state) {
@@ -279,6 +319,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(crossing_itself, setup, teardown),
       cmocka_unit_test_setup_teardown(out_of_plane, setup, teardown),
       cmocka_unit_test_setup_teardown(merged_fan, setup, teardown),
+      cmocka_unit_test_setup_teardown(merged_by_an_angle, setup, teardown),
       cmocka_unit_test_setup_teardown(declared_segment_is_kept, setup, teardown),
       cmocka_unit_test_setup_teardown(grid_of_points, setup, teardown),
   };

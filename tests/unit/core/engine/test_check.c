@@ -126,6 +126,10 @@ static void options(void **state) {
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
     assert_non_null(strstr(tet_ctx_error(ctx)->message, "dihedral"));
     o.min_dihedral = 0;
+    o.merge_angle = k == 0 ? 45.1 : wrong[k];
+    assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
+    assert_non_null(strstr(tet_ctx_error(ctx)->message, "merge angle"));
+    o.merge_angle = 0;
     o.planarity_tolerance = k == 0 ? -1e-9 : wrong[k];
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   }

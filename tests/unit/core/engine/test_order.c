@@ -130,7 +130,7 @@ static void order_is_canonical(void **state) {
       assert_int_equal(tet_order_mesh(ctx, b, order), TET_OK);
       assert_same(a, b);
       tet_audit audit;
-      assert_int_equal(tet_audit_mesh(ctx, b, &audit), TET_OK);
+      assert_int_equal(tet_audit_mesh(ctx, NULL, b, &audit), TET_OK);
       assert_true(audit.passed);
       tet_mesh_free(a);
       tet_mesh_free(b);
