@@ -22,6 +22,9 @@ typedef struct tet_refine_options {
   double alpha2;      /* scales the protecting balls near sharp segments (4.1.2) */
   double wedge;       /* times alpha2: at sharp dihedral angles, where existing vertices force
                          a split */
+  double thin;        /* what the vertices of two facets force upon each other, where they meet at
+                         a dihedral angle whose sine is below it, ends after */
+  double thin_points; /* so many points for each vertex of the CDT, and 500 */
   double crowd;       /* a gap to the next segment below this share of the distance to what it
                          splits keeps a rejected circumcentre from splitting that */
   double crowd_facets; /* the same, for the gap to the next facet at sharp dihedral angles */

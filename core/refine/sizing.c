@@ -208,12 +208,28 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
   *ret_sharp = sum > 0 ? sharp / sum : 0;
 }
 
+/* 1 if the segment is in a thin facet. */
+int refine_segment_is_thin(const refiner *r, uint32_t segment) {
+  for (uint32_t i = r->segment_facet_start[segment]; i < r->segment_facet_start[segment + 1]; i++)
+    if (r->facet_thin[r->segment_facet[i]]) return 1;
+  return 0;
+}
+
+/* 1 if Steiner point p is in a thin facet. */
+int refine_is_thin(const refiner *r, uint32_t p) {
+  uint32_t carrier = r->out->carrier[p];
+  return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : refine_segment_is_thin(r, carrier);
+}
+
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
  * `vertices`, of alpha times their size. What existing vertices force (R1* (2),
  * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it
- * has no end; elsewhere by the floor. */
+ * has no end; elsewhere by the floor. Sheets that all but touch have a budget on top: lfs
+ * bounds their points, but by no number that can be waited for. */
 int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause) {
   const double *x = refine_x(r, p);
+  if (r->forcing) return 1;
+  if (!r->thin_points && r->out->origin[p] != TET_ORIGIN_VOLUME && refine_is_thin(r, p)) return 0;
   for (uint32_t i = 0; i < n; i++) {
     uint32_t v = vertices[i];
     const double *y = refine_x(r, v);
@@ -228,10 +244,12 @@ int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint3
 
 /* 1 if p, the grown cavity's point, is closer to another segment than `crowd` times
  * its distance from `vertices`, or to another facet than `crowd_facets` times: inserted there, it would have its
- * image in that one split as well, and leave an edge as short as the gap. */
+ * image in that one split as well, and leave an edge as short as the gap. Without a sharp segment
+ * that is the bound's price. */
 int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
   const refine_cavity *c = &r->cavity;
   const double *x = refine_x(r, c->p);
+  if (r->forcing || !r->n_sharp) return 0;
   double room = INFINITY;
   for (uint32_t i = 0; i < n; i++) {
     const double *y = refine_x(r, vertices[i]);

@@ -101,6 +101,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   if (status) return status;
   if (ok) {
     r->result.facet_points++;
+    refine_spend(r);
     *ret = OUTCOME_INSERTED;
     return TET_OK;
   }

@@ -34,6 +34,11 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
   return status ? status : refine_repair(r);
 }
 
+/* Counts the last point against the budget of thin facets. */
+void refine_spend(refiner *r) {
+  if (r->thin_points && refine_is_thin(r, r->points.n - 1)) r->thin_points--;
+}
+
 static double distance(const refiner *r, uint32_t a, uint32_t b) {
   const double *x = refine_x(r, a), *y = refine_x(r, b);
   double sum = 0;
@@ -128,6 +133,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   if (status) return status;
   if (ok) {
     r->result.segment_points++;
+    refine_spend(r);
     *ret = OUTCOME_INSERTED;
     return TET_OK;
   }
