@@ -8,13 +8,15 @@
 
 #include <math.h>
 
-/* 1 if the angle at v between segments f and g is below 60 degrees. */
-static int below_60(const refiner *r, uint32_t v, const tet_segment *f, const tet_segment *g) {
-  double p[3], q[3];
+/* The sine of the angle at v between segments f and g if that is below 60 degrees, else 1. */
+static double sine_below_60(const refiner *r, uint32_t v, const tet_segment *f, const tet_segment *g) {
+  double p[3], q[3], n[3];
   tet_minus(refine_x(r, f->a == v ? f->b : f->a), refine_x(r, v), p);
   tet_minus(refine_x(r, g->a == v ? g->b : g->a), refine_x(r, v), q);
-  double c = tet_dot(p, q);
-  return c > 0 && c * c > 0.25 * (1 + 1e-12) * tet_dot(p, p) * tet_dot(q, q);
+  double c = tet_dot(p, q), lengths2 = tet_dot(p, p) * tet_dot(q, q);
+  if (!(c > 0 && c * c > 0.25 * (1 + 1e-12) * lengths2)) return 1;
+  tet_cross(p, q, n);
+  return sqrt(tet_dot(n, n) / lengths2);
 }
 
 static tet_status plane_angles(refiner *r) {
@@ -37,12 +39,15 @@ static tet_status plane_angles(refiner *r) {
   }
   for (uint32_t v = 0; v < n && !status; v++) {
     for (uint32_t i = start[v]; i < start[v + 1]; i++)
-      for (uint32_t j = start[v]; j < i; j++)
-        if (below_60(r, v, &p->segment[at[i]], &p->segment[at[j]])) {
-          r->segment_sharp[at[i]] |= 1;
-          r->segment_sharp[at[j]] |= 1;
-          r->acute_end[v] = 1;
+      for (uint32_t j = start[v]; j < i; j++) {
+        double sine = sine_below_60(r, v, &p->segment[at[i]], &p->segment[at[j]]);
+        if (!(sine < 1)) continue;
+        for (int k = 0; k < 2; k++) {
+          r->segment_sharp[at[k ? j : i]] |= 1;
+          r->segment_sine[at[k ? j : i]] = fmin(r->segment_sine[at[k ? j : i]], sine);
         }
+        r->acute_end[v] = 1;
+      }
     status = tet_poll(r->ctx);
   }
   tet_free(r->ctx, start);

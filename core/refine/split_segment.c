@@ -17,6 +17,8 @@
  * made visible without a loss. */
 tet_status refine_insert(refiner *r, int *ret_ok) {
   refine_cavity *c = &r->cavity;
+  *ret_ok = 0;
+  if (r->tracing) return TET_OK;
   tet_status status = refine_cavity_trim(r, ret_ok);
   if (!status && !*ret_ok && (c->segment != TET_NONE || c->sub != TET_NONE)) {
     uint32_t p = c->p, segment = c->segment, sub = c->sub;

@@ -347,6 +347,8 @@ static void print_report(const job *j, const tet_mesh *m) {
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
          (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
+  printf(",\"traced\":{\"traced\":%llu,\"within\":%llu,\"farthest\":%.4g}", (unsigned long long)r->trace.traced,
+         (unsigned long long)r->trace.within, r->trace.farthest);
   printf(",\"promised\":{\"delaunay\":%d,\"cdt\":%d,\"gabriel\":%d,\"covered\":%d,\"planarity\":%.3g}", r->promised.delaunay,
          r->promised.constrained_delaunay, r->promised.gabriel, r->promised.covered, r->promised.planarity);
   printf(",\"audit\":{\"passed\":%s", a->passed ? "true" : "false");

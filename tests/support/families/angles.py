@@ -62,12 +62,13 @@ class Angles:
     """Least angles in degrees (180: there is none) and sharp segments, as pairs of points:
     plane: segment with segment;  facet: segment with facet;  dihedral: facet with facet."""
 
-    def __init__(self, mesh):
+    def __init__(self, mesh, n_input):
         self.plane = self.facet = self.dihedral = 180.0
-        self.sharp = {}  # subsegment of the mesh: its least sharp angle
+        self.sharp = {}  # subsegment of the mesh: the least sharp angle of its segment
         self.mesh = mesh
         self._dihedrals()
         self._plane_angles()
+        self._spread(n_input)
 
     def has_sharp_dihedral(self):
         return self.dihedral < DIHEDRAL - ROOM
@@ -156,6 +157,21 @@ class Angles:
                     foot = self._foot(v, d, c)
                     if foot and between(d, foot) < PLANE - ROOM and self._inside(v, d, foot, cells[v]):
                         self.facet = min(self.facet, between(d, foot))
+
+    def _spread(self, n_input):
+        """A segment is sharp as a whole: from subsegment to subsegment across its Steiner points."""
+        at = collections.defaultdict(list)
+        for e in self.segments:
+            for v in e:
+                if v >= n_input:
+                    at[v].append(e)
+        todo = list(self.sharp)
+        while todo:
+            e = todo.pop()
+            for f in (f for v in e for f in at[v]):
+                if self.sharp.get(f, 180.0) > self.sharp[e]:
+                    self._blame(f, self.sharp[e])
+                    todo.append(f)
 
     def _foot(self, v, d, corner):
         """The direction in the corner's plane nearest to d where it lies within the corner and

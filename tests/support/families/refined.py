@@ -31,6 +31,7 @@ import runs
 CLASSES = ("all large", "plane", "dihedral")
 REACH = (3 + math.sqrt(2)) / 2
 TIGHT, LOOSE = "1.4143", "2.0"
+TOLERANCE = "1e-13"  # new points on facets are rounded; some systems have gaps of 1e-9
 NO_SLIVERS = {"boxes-nested", "boxes-touching", "voxels"}
 
 
@@ -104,7 +105,7 @@ def check_places(case, mesh, listed, sharp):
 def judged(case, judge, path, prefix, options):
     if not judge:
         return
-    said = runs.judge_says(judge, path, prefix, options)
+    said = runs.judge_says(judge, path, prefix, ["--tol", TOLERANCE, *options])
     if said:
         case.faults.append(said)
 
@@ -114,7 +115,7 @@ def refine(case, path, prefix, options, limits):
     done, seconds = runs.run_engine(path, prefix, ["--stage", "refine", "--vertices", str(limits[0]), *options], limits[1])
     case.seconds = max(case.seconds, seconds)
     if done is None:
-        case.over_limit = f"not done in {limits[1]} s"
+        case.over_limit = f"not done in {limits[1]} seconds"
     elif done.returncode == 1 and "vertex_limit" in done.stderr:
         case.over_limit = f"over {limits[0]} vertices"
     elif done.returncode:
@@ -141,7 +142,8 @@ def run_case(name, path, folder, judge, limits, outside, is_blocks=False):
     if done is None or done.returncode:
         case.faults.append("CDT: " + runs.fault_of(done))
         return case
-    found = case.angles = angles.Angles(angles.Mesh(prefix))
+    cdt = runs.report_of(done)
+    found = case.angles = angles.Angles(angles.Mesh(prefix), cdt["points"] - cdt["steiner"])
     case.kind = CLASSES[2] if found.has_sharp_dihedral() else CLASSES[0] if found.meets_3_3_3() else CLASSES[1]
     bound = LOOSE if case.kind == "dihedral" else TIGHT
     report = refine(case, path, prefix, ["--radius-edge", bound], limits)
