@@ -44,7 +44,8 @@ static void measure(refiner *r, uint32_t t, uint32_t e) {
     size = fmax(size, reach);
   }
   ret->within += (uint64_t)within;
-  for (int i = 0; i < 4; i++) corner2 = fmin(corner2, refine_edge_distance2(a, b, refine_x(r, r->mesh.v[4 * (size_t)t + i])));
+  for (size_t i = 4 * (size_t)t; i < 4 * (size_t)t + 4; i++)
+    corner2 = fmin(corner2, refine_edge_distance2(a, b, refine_x(r, r->mesh.v[i])));
   double farthest = sqrt(corner2) * r->segment_sine[r->seg_of[e]] / size;
   if (farthest > ret->farthest) ret->farthest = farthest;
 }
