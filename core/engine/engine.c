@@ -56,6 +56,7 @@ static void count(tet_report *report, const tet_build_result *built, const tet_r
   report->counts = built->counts;
   if (!refined) return;
   report->rejected = refined->rejected;
+  report->trace = refined->trace;
   report->counts.refine_segment_points = refined->segment_points;
   report->counts.refine_facet_points = refined->facet_points;
   report->counts.refine_volume_points = refined->volume_points;

@@ -66,13 +66,14 @@ static tet_status push_new(refiner *r, refine_list *list, uint32_t value) {
 }
 
 /* The subsegments, and if asked for the subfaces, at the grown cavity that its
- * point encroaches upon or, being beyond it, cannot be seen from. */
+ * point encroaches upon or, being beyond it, cannot be seen from: the first few of each, for the
+ * search began near the point's cause, and no more are tried. */
 tet_status refine_collect_hits(refiner *r, int subfaces) {
   const refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
   r->hit_segs.n = 0;
   if (subfaces) r->hit_subs.n = 0;
-  for (uint32_t k = 0; k < r->mesh.n_cavity && !status; k++) {
+  for (uint32_t k = 0; k < r->mesh.n_cavity && r->hit_segs.n < MOST_TRIED && !status; k++) {
     uint32_t t = r->mesh.cavity[k];
     const uint32_t *v = r->mesh.v + 4 * (size_t)t;
     for (int e = 0; e < 6 && r->tet_edges[t] & EDGES && !status; e++) {
@@ -80,7 +81,7 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
       if (!(r->tet_edges[t] >> e & 1) || tet_dot_sign(&r->points, a, b, c->p) >= 0) continue;
       status = push_new(r, &r->hit_segs, refine_find_seg(r, a, b));
     }
-    for (uint32_t i = 0; i < 4 && subfaces && !status; i++) {
+    for (uint32_t i = 0; i < 4 && subfaces && r->hit_subs.n < MOST_TRIED && !status; i++) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint8_t *f = tet_face[i];

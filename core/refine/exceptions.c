@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* exceptions.c: what is still over a bound, or a sliver, at the end, with the nearest sharp
- * subsegment; and whether the promises about encroachment hold. */
+/* exceptions.c: what is still over a bound, or a sliver, at the end, with the sharp
+ * subsegment that trace.c blames or the nearest one; and whether the promises about encroachment hold. */
 #include "refine/refiner.h"
 
 #include <math.h>
@@ -101,6 +101,7 @@ tet_status refine_list_exceptions(refiner *r) {
   }
   if (!status)
     status = fill(r, &over, label, 0, &ret->exception_tet, &ret->exception_value, &ret->exception_segment);
+  if (!status && over.tet.n && r->n_sharp) status = refine_trace(r, over.tet.n, over.tet.at, ret->exception_segment);
   if (!status) status = fill(r, &slivers, label, 1, &ret->sliver_tet, &ret->sliver_cosine, &ret->sliver_segment);
   if (!status) {
     ret->n_exceptions = over.tet.n;

@@ -8,8 +8,8 @@
 
 void tet_refine_options_default(tet_refine_options *options) {
   *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .min_dihedral = 0,
-                                  .sliver_points = 5, .alpha2 = 0.3, .wedge = 100,
-                                  .crowd = 0.4, .crowd_facets = 0.3, .floor = 1e-3};
+                                  .sliver_points = 5, .alpha2 = 0.3, .wedge = 100, .thin = 0.1, .thin_points = 4,
+                                  .crowd = 0.4, .crowd_facets = 0.3, .floor = 1e-4};
 }
 
 void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {
@@ -35,12 +35,13 @@ static tet_status queue_encroached(refiner *r) {
   return status;
 }
 
-/* From here on tetrahedra over a bound are queued: those there now, and new ones. */
+/* From here on tetrahedra over a bound are queued: those there now, but for what was already and
+ * could not be split, and new ones. */
 static tet_status queue_bad(refiner *r) {
   tet_status status = TET_OK;
   r->watch_tets = 1;
   for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++) {
-    if (refine_alive(r, t)) status = refine_queue_tet(r, t);
+    if (refine_alive(r, t) && !(r->tet_edges[t] & TET_QUEUED)) status = refine_queue_tet(r, t);
     if (!status && (t & 1023) == 0) status = tet_poll(r->ctx);
   }
   return status;
@@ -88,15 +89,16 @@ static tet_status drain(refiner *r) {
 /* While subsegments are encroached, a face need not be able to be Delaunay: so what
  * stuck is repaired when no rule applies, which may let rules apply again. */
 static tet_status converge(refiner *r) {
-  enum { ROUNDS = 8 };
+  enum { ROUNDS = 8, FORCED_ROUNDS = 12 };
   tet_status status = TET_OK;
   for (int round = 0; !status; round++) {
-    uint64_t flips = r->result.repair_flips;
+    uint64_t flips = r->result.repair_flips, forced = 0;
     status = drain(r);
     if (!status) status = refine_check_delaunay(r);
-    if (status || !r->result.n_not_delaunay || round == ROUNDS) break;
-    status = refine_repair_all(r);
-    if (flips == r->result.repair_flips) break;
+    if (status || !r->result.n_not_delaunay || round == FORCED_ROUNDS) break;
+    if (round < ROUNDS) status = refine_repair_all(r);
+    if (!status && (flips == r->result.repair_flips || round >= ROUNDS)) status = refine_repair_by_force(r, &forced);
+    if (flips == r->result.repair_flips && !forced) break;
   }
   return status;
 }
@@ -122,6 +124,8 @@ static tet_status remove_slivers(refiner *r) {
 }
 
 static tet_status run(refiner *r) {
+  enum { LEAST_THIN_POINTS = 500 };
+  r->thin_points = (uint64_t)(r->o.thin_points * r->n_first) + LEAST_THIN_POINTS;
   tet_status status = queue_encroached(r);
   if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */
   if (!status) status = queue_bad(r);

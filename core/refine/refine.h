@@ -22,6 +22,9 @@ typedef struct tet_refine_options {
   double alpha2;      /* scales the protecting balls near sharp segments (4.1.2) */
   double wedge;       /* times alpha2: at sharp dihedral angles, where existing vertices force
                          a split */
+  double thin;        /* what the vertices of two facets force upon each other, where they meet at
+                         a dihedral angle whose sine is below it, ends after */
+  double thin_points; /* so many points for each vertex of the CDT, and 500 */
   double crowd;       /* a gap to the next segment below this share of the distance to what it
                          splits keeps a rejected circumcentre from splitting that */
   double crowd_facets; /* the same, for the gap to the next facet at sharp dihedral angles */
@@ -36,10 +39,11 @@ typedef struct tet_refine_result {
   uint32_t n_sharp_segments;     /* below 60 degrees to a segment, or 69.3 between facets */
   uint64_t n_first_slivers;      /* before their removal */
   uint64_t sliver_points;        /* vertices that their removal inserted */
+  tet_trace trace;               /* of the exceptions */
   uint32_t n_exceptions;         /* tetrahedra over a bound */
   uint32_t *exception_tet;       /* [n] ascending; row of pieces->tets */
   double *exception_value;       /* [n] radius-edge ratio */
-  uint32_t *exception_segment;   /* [n] row of pieces->subseg, the nearest sharp one, or TET_NONE */
+  uint32_t *exception_segment;   /* [n] row of pieces->subseg, sharp, or TET_NONE */
   uint32_t n_slivers;            /* that are left */
   uint32_t *sliver_tet;          /* [n] ascending; row of pieces->tets */
   double *sliver_cosine;         /* [n] of the smallest dihedral angle */

@@ -50,6 +50,8 @@ typedef enum refine_outcome {
   OUTCOME_REJECTED
 } refine_outcome;
 
+enum { MOST_TRIED = 8 }; /* subsegments or subfaces for one candidate, about */
+
 typedef struct refine_patch {
   uint32_t facet;
   int axis;          /* dropped coordinate; the patch's subfaces are positive in it */
@@ -158,6 +160,9 @@ typedef struct refiner {
   uint32_t seg_table_mask, seg_table_used;
 
   uint8_t *segment_sharp;        /* [segment] bit 0: plane angle, bit 1: dihedral angle */
+  double *segment_sine;          /* [segment] of its least sharp angle; 1: none is */
+  uint8_t *facet_thin;           /* [facet] 1: at a dihedral angle of so small a sine as `thin` */
+  uint64_t thin_points;          /* that may still be inserted there */
   uint32_t n_sharp;
   uint8_t *acute_end;            /* [first vertices] 1: end of segments below 60 degrees */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
@@ -175,7 +180,11 @@ typedef struct refiner {
   size_t cap_seg_queue, cap_sub_queue;
   int watch_tets;      /* 1: R3 has begun */
   int watch_slivers;   /* 1: slivers are removed */
+  int forcing;         /* 1: a face cannot be Delaunay: no ball protects, no gap is too narrow */
   int picking;         /* 1: a sliver is being split: points go near where others would */
+  int tracing;         /* 1: nothing is inserted; who rejects is noted */
+  uint32_t blamed;     /* sharp subsegment at such a vertex, or TET_NONE */
+  uint32_t *sharp_at;  /* [vertex] a sharp subsegment, or TET_NONE */
   double sliver_sine2; /* squared sine of the bound */
   uint64_t last_point; /* vertices at which slivers are given up */
   refine_buckets bad;
@@ -231,8 +240,11 @@ tet_status refine_find_sharp(refiner *r);
 tet_status refine_lfs(refiner *r);
 void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours, double *ret_size,
                     double *ret_sharp);
-int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause);
-int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n);
+double refine_edge_distance2(const double *a, const double *b, const double *x);
+int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause);
+int refine_segment_is_thin(const refiner *r, uint32_t segment);
+int refine_is_thin(const refiner *r, uint32_t p);
+int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n);
 
 /* flatness.c: three points of a segment, four of a facet, by incidence. */
 int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment);
@@ -301,6 +313,7 @@ tet_status refine_open_queue(refiner *r);
 
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */
 tet_status refine_insert(refiner *r, int *ret_ok);
+void refine_spend(refiner *r);
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret);
@@ -309,6 +322,11 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
 tet_status refine_repair(refiner *r);
 tet_status refine_repair_stuck(refiner *r);
 tet_status refine_repair_all(refiner *r);
+tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done);
+
+/* trace.c */
+void refine_note_blame(refiner *r, uint32_t v);
+tet_status refine_trace(refiner *r, uint32_t n, const uint32_t *tet, uint32_t *segment);
 
 /* exceptions.c */
 tet_status refine_list_exceptions(refiner *r);

@@ -297,6 +297,49 @@ tet_status refine_repair_stuck(refiner *r) {
   return repair(r, 1);
 }
 
+/* Splits a subsegment or subface of tetrahedron t that one of its corners encroaches upon,
+ * whatever protects it; else t itself. */
+static tet_status split_at(refiner *r, uint32_t t, int *ret_done) {
+  tet_status status = TET_OK;
+  refine_outcome outcome = OUTCOME_REJECTED;
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  for (int e = 0; e < 6 && !status && outcome != OUTCOME_INSERTED && refine_alive(r, t); e++) {
+    uint32_t by;
+    if (!(r->tet_edges[t] >> e & 1)) continue;
+    uint32_t seg = refine_find_seg(r, v[refine_edge[e][0]], v[refine_edge[e][1]]);
+    status = refine_seg_encroached(r, seg, &by);
+    if (!status && by != TET_NONE) status = refine_split_seg(r, seg, by, CAUSE_VERTEX, &outcome);
+  }
+  for (uint32_t h = 4 * t; h < 4 * t + 4 && !status && outcome != OUTCOME_INSERTED && refine_alive(r, t); h++) {
+    uint32_t s = refine_sub_at(r, h);
+    if (s != TET_NONE && refine_sub_encroached(r, s)) status = refine_split_sub(r, s, CAUSE_VERTEX, &outcome);
+  }
+  if (!status && outcome != OUTCOME_INSERTED && refine_alive(r, t)) {
+    refine_shape shape;
+    refine_measure(r, t, &shape);
+    status = refine_split_tet(r, t, &shape, 0, &outcome);
+  }
+  *ret_done = outcome == OUTCOME_INSERTED;
+  return status;
+}
+
+/* What keeps a face from being Delaunay that no flip repairs is an encroached subsegment or
+ * subface, held off by protecting balls: the mesh being constrained Delaunay comes first. */
+tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done) {
+  tet_status status = TET_OK;
+  *ret_done = 0;
+  r->forcing = 1;
+  for (uint32_t h = 0; h < 4 * r->mesh.n_slots && !status; h++) {
+    int done = 0;
+    if (r->mesh.adj[h] < h || !is_broken(r, h)) continue;
+    status = split_at(r, h >> 2, &done);
+    if (!status && !done && is_broken(r, h)) status = split_at(r, r->mesh.adj[h] >> 2, &done);
+    *ret_done += (uint64_t)done;
+  }
+  r->forcing = 0;
+  return status;
+}
+
 /* Repairs wherever there is something to repair. */
 tet_status refine_repair_all(refiner *r) {
   tet_status status = TET_OK;

@@ -8,13 +8,15 @@
 
 #include <math.h>
 
-/* 1 if the angle at v between segments f and g is below 60 degrees. */
-static int below_60(const refiner *r, uint32_t v, const tet_segment *f, const tet_segment *g) {
-  double p[3], q[3];
+/* The sine of the angle at v between segments f and g if that is below 60 degrees, else 1. */
+static double sine_below_60(const refiner *r, uint32_t v, const tet_segment *f, const tet_segment *g) {
+  double p[3], q[3], n[3];
   tet_minus(refine_x(r, f->a == v ? f->b : f->a), refine_x(r, v), p);
   tet_minus(refine_x(r, g->a == v ? g->b : g->a), refine_x(r, v), q);
-  double c = tet_dot(p, q);
-  return c > 0 && c * c > 0.25 * (1 + 1e-12) * tet_dot(p, p) * tet_dot(q, q);
+  double c = tet_dot(p, q), lengths2 = tet_dot(p, p) * tet_dot(q, q);
+  if (!(c > 0 && c * c > 0.25 * (1 + 1e-12) * lengths2)) return 1;
+  tet_cross(p, q, n);
+  return sqrt(tet_dot(n, n) / lengths2);
 }
 
 static tet_status plane_angles(refiner *r) {
@@ -37,12 +39,15 @@ static tet_status plane_angles(refiner *r) {
   }
   for (uint32_t v = 0; v < n && !status; v++) {
     for (uint32_t i = start[v]; i < start[v + 1]; i++)
-      for (uint32_t j = start[v]; j < i; j++)
-        if (below_60(r, v, &p->segment[at[i]], &p->segment[at[j]])) {
-          r->segment_sharp[at[i]] |= 1;
-          r->segment_sharp[at[j]] |= 1;
-          r->acute_end[v] = 1;
+      for (uint32_t j = start[v]; j < i; j++) {
+        double sine = sine_below_60(r, v, &p->segment[at[i]], &p->segment[at[j]]);
+        if (!(sine < 1)) continue;
+        for (int k = 0; k < 2; k++) {
+          r->segment_sharp[at[k ? j : i]] |= 1;
+          r->segment_sine[at[k ? j : i]] = fmin(r->segment_sine[at[k ? j : i]], sine);
         }
+        r->acute_end[v] = 1;
+      }
     status = tet_poll(r->ctx);
   }
   tet_free(r->ctx, start);
@@ -60,9 +65,9 @@ static void arm(const refiner *r, uint32_t a, uint32_t b, uint32_t x, double w[3
   tet_cross(e, d, w);
 }
 
-/* 1 if the fan of tetrahedra from face h around ab to the next subface spans a
- * sharp angle. */
-static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
+/* The sine of the angle that the fan of tetrahedra from face h around ab to the next subface
+ * spans if that is sharp, else 1. */
+static double sharp_sine(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
   double e[3], first[3], second[3], last[3], n[3];
   uint32_t x = TET_NONE, steps = 0;
   tet_minus(refine_x(r, b), refine_x(r, a), e);
@@ -78,35 +83,41 @@ static int fan_is_sharp(const refiner *r, uint32_t h, uint32_t a, uint32_t b) {
     h = r->mesh.adj[exit];
   }
   arm(r, a, b, x, last);
-  double c = tet_dot(first, last);
-  if (!(c > 0 && 8 * c * c > (1 + 1e-12) * tet_dot(first, first) * tet_dot(last, last))) return 0;
-  if (!steps) return 1;
+  double c = tet_dot(first, last), lengths2 = tet_dot(first, first) * tet_dot(last, last);
+  if (!(c > 0 && 8 * c * c > (1 + 1e-12) * lengths2)) return 1;
   tet_cross(first, second, n); /* the sense of the fan */
   double sense = tet_dot(n, e);
   tet_cross(first, last, n);
-  return sense * tet_dot(n, e) > 0;
+  return !steps || sense * tet_dot(n, e) > 0 ? sqrt(tet_dot(n, n) / lengths2) : 1;
 }
 
 static void dihedral_angles(refiner *r) {
   for (uint32_t e = 0; e < r->n_segs; e++) {
     uint32_t start = r->seg_sub[e], a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
-    if (start == TET_NONE || r->segment_sharp[r->seg_of[e]] & 2 || r->out->segment[r->seg_of[e]].crease) continue;
+    double *least = &r->segment_sine[r->seg_of[e]];
+    if (start == TET_NONE || r->out->segment[r->seg_of[e]].crease) continue;
     uint32_t edge = start;
     do {
       for (int side = 0; side < 2; side++) {
         uint32_t h = r->sub_side[2 * (size_t)(edge / 3) + side];
-        if (h != TET_NONE && r->ring[edge] != edge && fan_is_sharp(r, h, a, b)) r->segment_sharp[r->seg_of[e]] |= 2;
+        double sine = h == TET_NONE || r->ring[edge] == edge ? 1 : sharp_sine(r, h, a, b);
+        if (sine < 1) r->segment_sharp[r->seg_of[e]] |= 2;
+        if (sine < *least) *least = sine;
+        if (sine < r->o.thin) r->facet_thin[r->patch[r->sub_patch[edge / 3]].facet] = 1; /* the other likewise */
       }
       edge = r->ring[edge];
     } while (edge != start);
   }
 }
 
-/* Fills segment_sharp, acute_end and n_sharp; creases are never sharp. */
+/* Fills segment_sharp, segment_sine, facet_thin, acute_end and n_sharp; creases are never sharp. */
 tet_status refine_find_sharp(refiner *r) {
   r->segment_sharp = tet_calloc(r->ctx, r->out->n_segments, 1);
+  r->segment_sine = tet_alloc(r->ctx, r->out->n_segments, sizeof *r->segment_sine);
+  r->facet_thin = tet_calloc(r->ctx, r->out->n_facets, 1);
   r->acute_end = tet_calloc(r->ctx, r->points.n, 1);
-  if (!r->segment_sharp || !r->acute_end) return TET_E_MEMORY;
+  if (!r->segment_sharp || !r->segment_sine || !r->facet_thin || !r->acute_end) return TET_E_MEMORY;
+  for (uint32_t s = 0; s < r->out->n_segments; s++) r->segment_sine[s] = 1;
   tet_status status = plane_angles(r);
   if (status) return status;
   dihedral_angles(r);

@@ -78,7 +78,8 @@ static double box_distance2(const double box[6], const double *x) {
   return sum;
 }
 
-static double edge_distance2(const double *a, const double *b, const double *x) {
+/* Squared distance of x from the edge ab. */
+double refine_edge_distance2(const double *a, const double *b, const double *x) {
   double e2 = 0, ex = 0, sum = 0;
   for (int i = 0; i < 3; i++) {
     e2 += (b[i] - a[i]) * (b[i] - a[i]);
@@ -118,7 +119,7 @@ static double triangle_distance2(const double *a, const double *b, const double 
   }
   double least = INFINITY;
   for (int s = 0; s < 3; s++) {
-    double d = edge_distance2(corner[s], corner[(s + 1) % 3], x);
+    double d = refine_edge_distance2(corner[s], corner[(s + 1) % 3], x);
     if (d < least) least = d;
   }
   return least;
@@ -150,7 +151,7 @@ static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, doubl
       uint32_t w[3];
       element_corners(r, id, w);
       double d = id < r->n_subs ? triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x)
-                                : edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
+                                : refine_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
       if (d < least && !meets(r, v, id)) least = d;
     }
   }
@@ -208,12 +209,29 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
   *ret_sharp = sum > 0 ? sharp / sum : 0;
 }
 
+/* 1 if the segment is in a thin facet. */
+int refine_segment_is_thin(const refiner *r, uint32_t segment) {
+  for (uint32_t i = r->segment_facet_start[segment]; i < r->segment_facet_start[segment + 1]; i++)
+    if (r->facet_thin[r->segment_facet[i]]) return 1;
+  return 0;
+}
+
+/* 1 if Steiner point p is in a thin facet. */
+int refine_is_thin(const refiner *r, uint32_t p) {
+  uint32_t carrier = r->out->carrier[p];
+  return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : refine_segment_is_thin(r, carrier);
+}
+
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
  * `vertices`, of alpha times their size. What existing vertices force (R1* (2),
  * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it
- * has no end; elsewhere by the floor. */
-int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause) {
+ * has no end; elsewhere by the floor. Sheets that all but touch have a budget on top: lfs
+ * bounds their points, but by no number that can be waited for. */
+int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause) {
   const double *x = refine_x(r, p);
+  if (r->forcing) return 1;
+  int rejected = !r->thin_points && r->out->origin[p] != TET_ORIGIN_VOLUME && refine_is_thin(r, p);
+  if (rejected && !r->tracing) return 0;
   for (uint32_t i = 0; i < n; i++) {
     uint32_t v = vertices[i];
     const double *y = refine_x(r, v);
@@ -221,8 +239,16 @@ int refine_accepts(const refiner *r, uint32_t p, const uint32_t *vertices, uint3
     double ball = r->o.floor * r->size[v];
     double sharp = cause == CAUSE_CENTRE && r->n_sharp ? alpha * r->size[v] : r->o.wedge * alpha * r->sharp_size[v];
     if (sharp > ball) ball = sharp;
-    if (d <= ball * ball) return 0;
+    if (d > ball * ball) continue;
+    rejected = 1;
+    if (!r->tracing) return 0;
+    refine_note_blame(r, v);
   }
+  return !rejected;
+}
+
+static int reject(refiner *r, const uint32_t *vertices, uint32_t n) {
+  for (uint32_t i = 0; i < n; i++) refine_note_blame(r, vertices[i]);
   return 1;
 }
 
@@ -237,14 +263,16 @@ static int is_neighbour(const refiner *r, uint32_t p, uint32_t facet) {
 /* 1 if p, the grown cavity's point, is closer to another segment than `crowd` times its distance
  * from `vertices`, or to another facet than that or `crowd_facets` times: inserted there, it would have its image in
  * that one split as well, and leave an edge as short as the gap. Only those that meet its
- * own segment or facet count: the gap to others is bounded by lfs. */
-int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
+ * own segment or facet count: the gap to others is bounded by lfs. Without a sharp segment
+ * that is the bound's price. */
+int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n) {
   const refine_cavity *c = &r->cavity;
   const double *x = refine_x(r, c->p);
+  if (r->forcing || !r->n_sharp) return 0;
   double room = INFINITY;
   for (uint32_t i = 0; i < n; i++) {
     const double *y = refine_x(r, vertices[i]);
-    room = fmin(room, edge_distance2(y, y, x));
+    room = fmin(room, refine_edge_distance2(y, y, x));
   }
   int wedged = 0; /* near a sharp dihedral angle */
   for (uint32_t i = 0; i < n; i++) wedged |= r->sharp_size[vertices[i]] > 0.5 * r->size[vertices[i]];
@@ -257,9 +285,9 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
     for (int e = 0; e < 6 && r->tet_edges[t] & EDGES; e++) {
       if (!(r->tet_edges[t] >> e & 1)) continue;
       uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-      if (!(edge_distance2(refine_x(r, a), refine_x(r, b), x) < room)) continue;
+      if (!(refine_edge_distance2(refine_x(r, a), refine_x(r, b), x) < room)) continue;
       uint32_t other = r->seg_of[refine_find_seg(r, a, b)];
-      if (own == TET_NONE || (other != own && refine_segments_meet(r, own, other))) return 1;
+      if (own == TET_NONE || (other != own && refine_segments_meet(r, own, other))) return reject(r, vertices, n);
     }
     for (uint32_t i = 0; i < 4; i++) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
@@ -267,7 +295,7 @@ int refine_crowded(const refiner *r, const uint32_t *vertices, uint32_t n) {
       const uint32_t *w = r->sub_v + 3 * (size_t)s;
       if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < wide &&
           is_neighbour(r, c->p, r->patch[r->sub_patch[s]].facet))
-        return 1;
+        return reject(r, vertices, n);
     }
   }
   return 0;

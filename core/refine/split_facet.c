@@ -1,11 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 /* split_facet.c: rule R2. The candidate is the centre of the subface's diametric
  * ball; one that encroaches upon subsegments, or lies beyond one, has that split
- * instead. */
+ * instead. Near a vertex where a segment stands low on the facet, that has no end: there it is
+ * as far from the vertex as the segment's point is. */
 #include "refine/refiner.h"
+
+#include "base/vector.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Where subface s, encroached by a Steiner point of a segment that ends at one of its corners and
+ * is not in its facet, is cut: as far from that corner as the point is, and nearest to it. By no
+ * subface with that edge is the point encroached upon again, where a centre would have the
+ * segment split, and its half encroach upon a smaller subface, without end. 0: it is not so. */
+static int opposite(const refiner *r, uint32_t s, double x[3]) {
+  const refine_patch *plane = &r->patch[r->sub_patch[s]];
+  for (int side = 0; side < 2; side++) {
+    uint32_t h = r->sub_side[2 * (size_t)s + side], by = h == TET_NONE ? TET_NONE : r->mesh.v[h];
+    if (by == TET_NONE || r->out->origin[by] != TET_ORIGIN_SEGMENT || !refine_sub_hit_by(r, s, by) ||
+        refine_on_facet(r, by, plane->facet)) continue;
+    const tet_segment *segment = &r->out->segment[r->out->carrier[by]];
+    for (int j = 0; j < 3; j++) {
+      uint32_t end = r->sub_v[3 * (size_t)s + j];
+      if (end != segment->a && end != segment->b) continue;
+      double d[3], along[3], off = 0, far = 0.1 * r->size[end];
+      tet_minus(refine_x(r, by), refine_x(r, end), d);
+      if (tet_square(d) > far * far) continue; /* it is not without end yet */
+      for (int i = 0; i < 3; i++) off += d[i] * plane->normal[i];
+      for (int i = 0; i < 3; i++) along[i] = d[i] - off * plane->normal[i];
+      double share = sqrt(tet_square(d) / tet_square(along));
+      if (!(share < 2)) continue; /* above 60 degrees nothing loops */
+      for (int i = 0; i < 3; i++) x[i] = refine_x(r, end)[i] + share * along[i];
+      return 1;
+    }
+  }
+  return 0;
+}
 
 /* The circumcentre of subface s, put back into its patch's plane. */
 static int centre_of(const refiner *r, uint32_t s, double c[3]) {
@@ -101,6 +132,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   if (status) return status;
   if (ok) {
     r->result.facet_points++;
+    refine_spend(r);
     *ret = OUTCOME_INSERTED;
     return TET_OK;
   }
@@ -113,7 +145,7 @@ tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_o
   double x[3];
   uint32_t at, seg, old[3];
   *ret = OUTCOME_REJECTED;
-  if (!centre_of(r, s, x)) return TET_OK;
+  if (!(cause == CAUSE_VERTEX && opposite(r, s, x)) && !centre_of(r, s, x)) return TET_OK;
   memcpy(old, r->sub_v + 3 * (size_t)s, sizeof old);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, r->patch[r->sub_patch[s]].facet);
   if (status) return status;

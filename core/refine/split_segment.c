@@ -18,6 +18,8 @@
  * made visible without a loss. */
 tet_status refine_insert(refiner *r, int *ret_ok) {
   refine_cavity *c = &r->cavity;
+  *ret_ok = 0;
+  if (r->tracing) return TET_OK;
   tet_status status = refine_cavity_trim(r, ret_ok);
   if (!status && !*ret_ok && (c->segment != TET_NONE || c->sub != TET_NONE)) {
     uint32_t p = c->p, segment = c->segment, sub = c->sub;
@@ -33,6 +35,11 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
     if (r->mesh.v[h] == c->p || r->mesh.adj[h] > h) status = refine_push(r, &r->suspects, h);
   }
   return status ? status : refine_repair(r);
+}
+
+/* Counts the last point against the budget of thin facets. */
+void refine_spend(refiner *r) {
+  if (r->thin_points && refine_is_thin(r, r->points.n - 1)) r->thin_points--;
 }
 
 static double distance(const refiner *r, uint32_t a, uint32_t b) {
@@ -187,6 +194,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   if (status) return status;
   if (ok) {
     r->result.segment_points++;
+    refine_spend(r);
     *ret = OUTCOME_INSERTED;
     return TET_OK;
   }

@@ -9,17 +9,21 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_TRIED = 8 }; /* subfaces for one candidate */
-
-/* Splits the first that can be of what the candidate hit. */
+/* Splits the first that can be of what the candidate hit; where that is in a thin facet, what is
+ * near fares no better. */
 static tet_status split_hits(refiner *r, refine_outcome *ret) {
   tet_status status = TET_OK;
   *ret = OUTCOME_REJECTED;
-  for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED; k++)
+  int thin = 0;
+  for (uint32_t k = 0; k < r->hit_segs.n && !thin && !status && *ret != OUTCOME_INSERTED; k++) {
+    thin = refine_segment_is_thin(r, r->seg_of[r->hit_segs.at[k]]);
     status = refine_split_seg(r, r->hit_segs.at[k], TET_NONE, CAUSE_CENTRE, ret);
+  }
   if (r->hit_segs.n) return status;
-  for (uint32_t k = 0; k < r->hit_subs.n && k < MOST_TRIED && !status && *ret != OUTCOME_INSERTED; k++)
+  for (uint32_t k = 0; k < r->hit_subs.n && !thin && !status && *ret != OUTCOME_INSERTED; k++) {
+    thin = r->facet_thin[r->patch[r->sub_patch[r->hit_subs.at[k]]].facet];
     status = refine_split_sub(r, r->hit_subs.at[k], CAUSE_CENTRE, ret);
+  }
   return status;
 }
 

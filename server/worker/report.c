@@ -141,6 +141,14 @@ static json_t *voronoi_json(const tet_mesh *m) {
   return o;
 }
 
+static json_t *traced_json(const tet_trace *t) {
+  json_t *o = json_object();
+  set_count(o, "traced", t->traced);
+  set_count(o, "within", t->within);
+  json_object_set_new(o, "farthest", number(t->farthest));
+  return o;
+}
+
 json_t *report_json(const tet_mesh *m, const tet_stage_report *encode) {
   const tet_report *r = &m->report;
   json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:I}, s:{s:I}, s:o}", "stages", stages_json(r, encode),
@@ -148,6 +156,7 @@ json_t *report_json(const tet_mesh *m, const tet_stage_report *encode) {
                    promised_json(&r->promised), "audit", audit_json(&r->audit), "rejected",
                    rejected_json(&r->rejected), "exceptions", "count", (json_int_t)m->n_exceptions,
                    "slivers", "count", (json_int_t)m->n_slivers, "peak_bytes", count(r->peak_bytes));
+  if (m->n_exceptions) json_object_set_new(o, "traced", traced_json(&r->trace));
   if (r->voronoi.made) json_object_set_new(o, "voronoi", voronoi_json(m));
   return o;
 }

@@ -6,8 +6,9 @@
  *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--merge-angle D]
  *     [--keep-hull] [--hilbert]
  *
- * Writes PREFIX.node, .ele, .face and .edge, and one line of JSON on the standard
- * output. A developer's tool: files are believed, and people use tetractl. Exit status:
+ * Writes PREFIX.node, .ele, .face and .edge, and PREFIX.over: a row for each listed exception, its
+ * tetrahedron, its radius-edge ratio and the subsegment to blame or -1; .sliver likewise, with
+ * the cosine. And one line of JSON on the standard output. A developer's tool: files are believed, and people use tetractl. Exit status:
  * 0 done and the audit passed, 1 the engine refused, 2 usage or file, 3 audit failed. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -297,6 +298,15 @@ static void write_rows(const char *prefix, const char *ext, const char *head, ui
   fclose(file);
 }
 
+static void write_listed(const char *prefix, const char *suffix, uint32_t n, const uint32_t *tet, const double *value,
+                         const uint32_t *segment) {
+  FILE *file = create(prefix, suffix);
+  fprintf(file, "%u\n", n);
+  for (uint32_t i = 0; i < n; i++)
+    fprintf(file, "%u %.17g %lld\n", tet[i], value[i], segment[i] == TET_NONE ? -1LL : (long long)segment[i]);
+  fclose(file);
+}
+
 static void write_mesh(const char *prefix, const tet_mesh *m) {
   FILE *file = create(prefix, ".node");
   fprintf(file, "%u 3 %u 1\n", m->n_points, m->n_attributes);
@@ -317,6 +327,9 @@ static void write_mesh(const char *prefix, const tet_mesh *m) {
   fclose(file);
   write_rows(prefix, ".face", "1", m->n_subfaces, 3, m->subfaces, m->subface_markers);
   write_rows(prefix, ".edge", "1", m->n_subsegments, 2, m->subsegments, m->subsegment_markers);
+  write_listed(prefix, ".over", m->n_exceptions, m->exception_tetrahedra, m->exception_radius_edge,
+               m->exception_segments);
+  write_listed(prefix, ".sliver", m->n_slivers, m->sliver_tetrahedra, m->sliver_cosines, m->sliver_segments);
 }
 
 static void print_report(const job *j, const tet_mesh *m) {
@@ -335,6 +348,8 @@ static void print_report(const job *j, const tet_mesh *m) {
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
          (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
+  printf(",\"traced\":{\"traced\":%llu,\"within\":%llu,\"farthest\":%.4g}", (unsigned long long)r->trace.traced,
+         (unsigned long long)r->trace.within, r->trace.farthest);
   printf(",\"promised\":{\"delaunay\":%d,\"cdt\":%d,\"gabriel\":%d,\"covered\":%d,\"planarity\":%.3g,\"merged\":[%.4g,%.3g]}", r->promised.delaunay,
          r->promised.constrained_delaunay, r->promised.gabriel, r->promised.covered, r->promised.planarity,
          r->promised.merged_angle, r->promised.merged_distance);

@@ -116,6 +116,15 @@ typedef struct tet_counts {
   uint64_t outside_tetrahedra;
 } tet_counts;
 
+/* How exceptions were traced to the sharp segments to blame (thesis 4.2.2). alpha_2 H(p) is the
+ * radius of the protecting ball of a vertex p of that segment. */
+typedef struct tet_trace {
+  uint64_t traced;  /* through their rejected candidates; the others have the nearest one */
+  uint64_t within;  /* circumcentre within sqrt(2) alpha_2 H(p) of an end p of that subsegment (Theorem 4.2.3) */
+  double farthest;  /* largest distance of a tetrahedron from that subsegment, in
+                       alpha_2 H(p) / sin theta, theta its segment's least sharp angle */
+} tet_trace;
+
 /* Of Voronoi cells, where they were asked for. */
 typedef struct tet_voronoi_report {
   int made;
@@ -133,6 +142,7 @@ typedef struct tet_report {
   tet_promise promised;
   tet_audit audit;
   tet_rejections rejected;
+  tet_trace trace;
   tet_voronoi_report voronoi;
   uint64_t peak_bytes;
 } tet_report;

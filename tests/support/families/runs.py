@@ -45,14 +45,15 @@ class Result:
         return [f for f in (self.fault, self.judge_fault, self.time_fault, spoiled) if f]
 
 
-def run_engine(path, prefix=None):
-    """(completed process, its processor seconds)."""
-    command = [MESHPLS, path, *([prefix] if prefix else []), "--stage", "cdt"]
+def run_engine(path, prefix=None, options=("--stage", "cdt"), limit=LIMIT):
+    """(completed process, its processor seconds); None instead of the process that is not done
+    in `limit` seconds."""
+    command = [MESHPLS, path, *([prefix] if prefix else []), *options]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:
-        return None, float(LIMIT)
+        return None, float(limit)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return done, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
@@ -72,9 +73,12 @@ def report_of(done):
 
 
 def judge_fault(judge, path, prefix, has_volume):
-    command = [judge, path, prefix, "--cdt", "--markers", "--tol", JUDGE_TOLERANCE]
-    if not has_volume:
-        command += ["--allow-outside", models.ANY_NUMBER]
+    return judge_says(judge, path, prefix, ["--cdt", "--tol", JUDGE_TOLERANCE,
+                                            *([] if has_volume else ["--allow-outside", models.ANY_NUMBER])])
+
+
+def judge_says(judge, path, prefix, options):
+    command = [judge, path, prefix, "--markers", *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return ""

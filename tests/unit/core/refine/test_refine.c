@@ -94,6 +94,9 @@ static void wedges_end(void **state) {
       assert_true(r.exception_value[k] > 2.0);
       assert_true(r.exception_segment[k] < built.pieces.n_subsegs);
     }
+    assert_int_equal(r.trace.traced, r.n_exceptions); /* all are at the sharp segment */
+    assert_true(r.trace.within <= r.trace.traced);
+    assert_true(r.trace.farthest < 1);
     tet_refine_result_free(ctx, &r);
     tet_build_result_free(ctx, &built);
     tet_ctx_free(ctx);
