@@ -314,16 +314,22 @@ static tet_status split(recovery *r, uint32_t e) {
   return status == TET_OK ? split_at(r, e, split_place(r, e, p)) : status;
 }
 
-/* Splits segments where thin.c asks for it. Subsegments still are whole segments. */
+/* Splits segments where thin.c asks for it, but not twice in one place. Subsegments still are
+ * whole segments. */
 static tet_status split_breaks(recovery *r) {
   const tet_breaks *breaks = r->st->breaks;
   tet_status status = TET_OK;
+  double last = 0; /* on the segment of the break before */
   for (size_t k = 0; k < breaks->n && status == TET_OK; k++) {
     const tet_break *b = &breaks->at[k];
+    const tet_segment *g = &r->st->surface.segment[b->segment];
     int again = k && breaks->at[k - 1].segment == b->segment;
-    if (again && breaks->at[k - 1].t == b->t) continue;
+    double least = LEAST * r->st->points.max_abs / distance(at(r, g->a), at(r, g->b));
+    if (!again) last = 0;
+    if (!(b->t - last > least && 1 - b->t > least)) continue;
     /* what is left towards b was appended last */
-    status = split_at(r, again ? r->st->surface.n_subsegs - 1 : b->segment, b->t);
+    status = split_at(r, last > 0 ? r->st->surface.n_subsegs - 1 : b->segment, b->t);
+    last = b->t;
     r->st->counts.segment_steiner_points++;
   }
   return status;
