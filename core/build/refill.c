@@ -224,6 +224,7 @@ static tet_status commit(refill *f) {
       p->adj[h] = is_border ? f->beyond[tag] : 4 * f->slot[link >> 2] + (link & 3);
       if (is_border && p->adj[h] != TET_NONE) p->adj[p->adj[h]] = h;
     }
+    if ((status = tet_repair_made(r, (uint32_t)t)) != TET_OK) return status;
   }
   return TET_OK;
 }

@@ -148,7 +148,8 @@ static tet_status apply(repair *r, const flip *f) {
   for (int q = f->n_made; q < f->n_old; q++) p->tets[4 * (size_t)f->old[q]] = TET_NONE;
   r->flips++;
   for (int k = 0; k < f->n_made && status == TET_OK; k++) {
-    status = push(r, slot[k]);
+    status = tet_repair_made(r, slot[k]);
+    if (status == TET_OK) status = push(r, slot[k]);
     for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
       uint32_t g = p->adj[4 * (size_t)slot[k] + i];
       if (g != TET_NONE) status = push(r, g >> 2);
@@ -394,10 +395,7 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   counts->rounding_flips = r.flips + r.refills;
   counts->rounding_moves = r.moves;
   tet_edge_map_free(ctx, &r.subsegs);
-  tet_free(ctx, r.mark);
-  tet_free(ctx, r.star);
-  tet_free(ctx, r.patch_start);
-  tet_free(ctx, r.patches);
-  tet_free(ctx, r.stack);
+  void *all[] = {r.mark, r.star, r.beside, r.first, r.entry, r.patch_start, r.patches, r.stack};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
   return status;
 }
