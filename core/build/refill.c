@@ -205,6 +205,7 @@ static tet_status commit(refill *f) {
   tet_pieces *p = r->p;
   tet_status status = prepare(f);
   if (status != TET_OK) return status;
+  r->refills++;
   uint32_t region = p->region[f->cavity[0]];
   for (size_t k = 0; k < f->n_border; k++) { /* slits: to the new handle on the other side */
     uint32_t g = f->beyond[k], tag = 0;

@@ -274,7 +274,15 @@ static void compact(repair *r) {
   }
 }
 
+/* 1: t has a Steiner point, or something was made after rounding: the others are as they were. */
+static int may_be_bad(const repair *r, uint32_t t) {
+  const uint32_t *v = r->p->tets + 4 * (size_t)t;
+  uint32_t first = r->exact.first_implicit;
+  return r->flips || r->refills || v[0] >= first || v[1] >= first || v[2] >= first || v[3] >= first;
+}
+
 int tet_repair_is_bad(const repair *r, uint32_t t) {
+  if (!may_be_bad(r, t)) return 0;
   int ok = tet_repair_is_positive(r, t), bad = !ok;
   for (uint32_t i = 0; i < 4 && !bad; i++) bad = tet_repair_is_bad_face(r, 4 * t + i, ok);
   return bad;
@@ -380,11 +388,8 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   r.exact.x = p->points; /* moved there */
   r.rounded = tet_points_explicit(p->points, p->n_points);
   r.rounded.max_abs = r.exact.max_abs;
-  for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;) {
-    int steiner = 0;
-    for (int i = 0; i < 4; i++) steiner |= p->tets[4 * (size_t)t + (size_t)i] >= p->n_input;
-    if (steiner) status = push(&r, t);
-  }
+  for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;)
+    if (may_be_bad(&r, t)) status = push(&r, t);
   for (uint32_t e = 0; e < surface->n_subsegs && r.n_stack && status == TET_OK; e++)
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
   if (status == TET_OK) status = list_patches(&r, surface);

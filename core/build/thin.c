@@ -105,8 +105,8 @@ tet_status tet_find_thin(tet_ctx *ctx, const tet_surface *surface, const tet_poi
   size_t before = breaks->n;
   tet_status status = TET_OK;
   for (size_t t = 0; t < p->n_tets && status == TET_OK; t++)
-    for (int i = 0; i < 4; i++)
-      for (int j = 0; j < 4 && status == TET_OK; j++) {
+    for (int i = 0; i < 4 && least > 0; i++)
+      for (int j = 0; j < 4 && tri[4 * t + (size_t)i] != TET_NONE && status == TET_OK; j++) {
         tet_break b;
         if (j != i && must_break(surface, exact, p, tri, t, i, j, least, &b)) status = tet_breaks_add(ctx, breaks, &b);
       }

@@ -350,6 +350,8 @@ static void print_report(const job *j, const tet_mesh *m) {
     if (fault[i].n) printf(",\"%s\":%llu", fault[i].name, (unsigned long long)fault[i].n);
   printf("},\"stages\":{");
   for (uint32_t i = 0; i < r->n_stages; i++) printf("%s\"%s\":%.4f", i ? "," : "", r->stages[i].name, r->stages[i].seconds);
+  printf("},\"cpu\":{");
+  for (uint32_t i = 0; i < r->n_stages; i++) printf("%s\"%s\":%.4f", i ? "," : "", r->stages[i].name, r->stages[i].cpu_seconds);
   printf("}}\n");
 }
 
