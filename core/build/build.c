@@ -15,6 +15,8 @@
  * them, and in all for them and where rounding fails. Where there is nothing to break,
  * it is begun again with other Steiner points. */
 static const double THIN = 2e-9;
+/* One axis is rounded more than the others where it is by so much. */
+static const double COARSE = 64;
 enum { MOST_ROUNDS = 8, MOST_THIN_ROUNDS = 3, MOST_ATTEMPTS = 8 };
 
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
@@ -43,6 +45,30 @@ tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *
   return TET_OK;
 }
 
+/* Finds the axis whose coordinates are rounded most, where that stands out. */
+static void find_coarse_axis(tet_state *st) {
+  const tet_points *p = &st->points;
+  double share[3], step[3];
+  st->coarse = -1;
+  if (!p->n) return;
+  for (size_t j = 0; j < 3; j++) {
+    double lo = p->x[j], hi = lo;
+    for (size_t v = 1; v < p->n; v++) {
+      lo = fmin(lo, p->x[3 * v + j]);
+      hi = fmax(hi, p->x[3 * v + j]);
+    }
+    int exponent;
+    frexp(fmax(fabs(lo), fabs(hi)), &exponent);
+    step[j] = ldexp(1, exponent - 53);
+    share[j] = hi > lo ? step[j] / (hi - lo) : 0;
+  }
+  for (int j = 0; j < 3; j++)
+    if (share[j] > COARSE * share[(j + 1) % 3] && share[j] > COARSE * share[(j + 2) % 3]) {
+      st->coarse = j;
+      st->step = step[j];
+    }
+}
+
 static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
   memset(st, 0, sizeof *st);
   st->ctx = ctx;
@@ -57,6 +83,7 @@ static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
     if (size > st->points.max_abs) st->points.max_abs = size;
   }
   tet_points_find_grain(&st->points);
+  find_coarse_axis(st);
   return TET_OK;
 }
 

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 
+import blind
 import families
 import spoils
 
@@ -29,6 +30,7 @@ LIMIT = 120
 OFFENCE = re.compile(r"^  kind (\d+) number (\d+), kind (\d+) number (\d+)", re.M)
 STATUS = re.compile(r": ([a-z_]+): ")
 JUDGE_TOLERANCE = "1e-14"
+JUDGE_FAULT = re.compile(r'"[^"]*"')
 
 
 class Result:
@@ -37,6 +39,7 @@ class Result:
     def __init__(self, name, seed):
         self.name, self.seed = name, seed
         self.fault = self.judge_fault = self.time_fault = self.spoil_fault = ""
+        self.blind = False  # the judge could not tell
         self.way = ""  # in which the twin was spoiled
         self.seconds, self.judged, self.report = 0.0, False, {}
 
@@ -109,6 +112,9 @@ def run_case(name, seed, folder, judge=None, way=None):
         if judge:
             result.judged = True
             result.judge_fault = judge_fault(judge, path, prefix, pls.volume is not None)
+            result.blind = bool(result.judge_fault) and blind.cannot_tell(JUDGE_FAULT.findall(result.judge_fault), pls, prefix)
+            if result.blind:
+                result.judge_fault, result.judged = "", False
     spoiled = spoils.spoil(pls, f"{name} {seed}", way)
     if spoiled:
         result.way, twin, expected = spoiled
