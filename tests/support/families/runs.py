@@ -163,12 +163,12 @@ def complaint(result):
 
 
 def table(found):
-    head = f"{'family':22} {'cases':>6} {'meshed':>7} {'judged':>7} {'spoiled':>8} {'refused':>8} {'median s':>9} {'worst s':>8} {'Steiner':>8} {'flips':>7} {'moves':>6}"
+    head = f"{'family':22} {'cases':>6} {'meshed':>7} {'judged':>7} {'blind':>6} {'spoiled':>8} {'refused':>8} {'median s':>9} {'worst s':>8} {'Steiner':>8} {'flips':>7} {'moves':>6}"
     lines = [head]
     for name, rs in found.items():
         spoiled = [r for r in rs if r.way]
         counts = [statistics.fmean([r.report.get(k, 0) for r in rs]) for k in ("steiner", "flips", "moves")]
-        lines.append(f"{name:22} {len(rs):6} {sum(bool(r.report) for r in rs):7} {sum(r.judged and not r.judge_fault for r in rs):7} {len(spoiled):8} "
+        lines.append(f"{name:22} {len(rs):6} {sum(bool(r.report) for r in rs):7} {sum(r.judged and not r.judge_fault for r in rs):7} {sum(r.blind for r in rs):6} {len(spoiled):8} "
                      f"{sum(not r.spoil_fault for r in spoiled):8} {statistics.median(r.seconds for r in rs):9.4f} "
                      f"{max(r.seconds for r in rs):8.3f} {counts[0]:8.1f} {counts[1]:7.1f} {counts[2]:6.2f}")
     return "\n".join(lines)
