@@ -32,6 +32,8 @@ static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
 static const double NEAR_END = 0.1;
 /* How far a point may be moved so that rounding moves it less, as part of the way to an end. */
 static const double NUDGE = 0.25;
+/* Later attempts do without: points so close that they have few such places are bent off their line there. */
+enum { LAST_FINE = 3 };
 
 typedef struct recovery {
   tet_state *st;
@@ -261,7 +263,7 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   double off = r->st->attempt ? ELSEWHERE * scatter(r) * fmin(t - ti, tj - t) : 0;
   for (uint32_t k = 1; k < r->st->attempt; k++) off *= FARTHER;
   t += off;
-  return fine_place(r, g, t, NUDGE * fmin(t - ti, tj - t));
+  return r->st->attempt > LAST_FINE ? t : fine_place(r, g, t, NUDGE * fmin(t - ti, tj - t));
 }
 
 static tet_status too_short(recovery *r, uint32_t e) {
