@@ -31,7 +31,7 @@ static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
  * point would be of no use. */
 static const double NEAR_END = 0.1;
 /* How far a point may be moved so that rounding moves it less, as part of the way to an end. */
-static const double NUDGE = 0.25;
+static const double NUDGE = 0.5;
 /* Later attempts do without: points so close that they have few such places are bent off their line there. */
 enum { LAST_FINE = 3 };
 
