@@ -11,10 +11,13 @@
 #include "build/state.h"
 
 /* Tetrahedra between nearly coplanar facets that are flatter than this part of the
- * box's diagonal are broken up; a build is begun again for them so many times, and
- * where rounding fails, with other Steiner points. */
+ * box's diagonal are broken up: a build is begun again with break points so many times for
+ * them, and in all for them and where rounding fails. Where there is nothing to break,
+ * it is begun again with other Steiner points. */
 static const double THIN = 2e-9;
-enum { MOST_ROUNDS = 4, MOST_ATTEMPTS = 8 };
+/* One axis is rounded more than the others where it is by so much. */
+static const double COARSE = 64;
+enum { MOST_ROUNDS = 8, MOST_THIN_ROUNDS = 3, MOST_ATTEMPTS = 8 };
 
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
   tet_pieces_free(ctx, &r->pieces);
@@ -43,6 +46,30 @@ tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *
   return TET_OK;
 }
 
+/* Finds the axis whose coordinates are rounded most, where that stands out. */
+static void find_coarse_axis(tet_state *st) {
+  const tet_points *p = &st->points;
+  double share[3], step[3];
+  st->coarse = -1;
+  if (!p->n) return;
+  for (size_t j = 0; j < 3; j++) {
+    double lo = p->x[j], hi = lo;
+    for (size_t v = 1; v < p->n; v++) {
+      lo = fmin(lo, p->x[3 * v + j]);
+      hi = fmax(hi, p->x[3 * v + j]);
+    }
+    int exponent;
+    frexp(fmax(fabs(lo), fabs(hi)), &exponent);
+    step[j] = ldexp(1, exponent - 53);
+    share[j] = hi > lo ? step[j] / (hi - lo) : 0;
+  }
+  for (int j = 0; j < 3; j++)
+    if (share[j] > COARSE * share[(j + 1) % 3] && share[j] > COARSE * share[(j + 2) % 3]) {
+      st->coarse = j;
+      st->step = step[j];
+    }
+}
+
 static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
   memset(st, 0, sizeof *st);
   st->ctx = ctx;
@@ -57,6 +84,7 @@ static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
     if (size > st->points.max_abs) st->points.max_abs = size;
   }
   tet_points_find_grain(&st->points);
+  find_coarse_axis(st);
   return TET_OK;
 }
 
@@ -143,7 +171,7 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
   if (status == TET_OK) status = tet_extract_tetrahedra(st, face_tri, part, &r->pieces, &tri);
   /* from here on the rounded coordinates are the truth */
   if (status == TET_OK)
-    status = tet_repair(st->ctx, &st->surface, &st->points, &r->pieces, &tri, &st->counts);
+    status = tet_repair(st->ctx, &st->surface, &st->points, &r->pieces, &tri, breaks, &st->counts);
   if (status == TET_OK)
     status = tet_find_thin(st->ctx, &st->surface, &st->points, &r->pieces, tri, thin, breaks, ret_thin);
   int done = status == TET_OK && !*ret_thin;
@@ -210,6 +238,13 @@ static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_o
   return status;
 }
 
+/* The build with the fewest thin tetrahedra so far, to be done again where no other holds. */
+typedef struct spare {
+  tet_breaks breaks;
+  uint32_t attempt;
+  size_t thin; /* 0: there is none */
+} spare;
+
 static tet_status copy_breaks(tet_ctx *ctx, const tet_breaks *from, tet_breaks *to) {
   tet_status status = tet_grow(ctx, &to->at, &to->cap, from->n, sizeof *to->at);
   if (status == TET_OK && from->n) memcpy(to->at, from->at, from->n * sizeof *to->at);
@@ -218,31 +253,43 @@ static tet_status copy_breaks(tet_ctx *ctx, const tet_breaks *from, tet_breaks *
 }
 
 /* Builds with Steiner points where the attempt says, again as long as there are thin
- * tetrahedra. Where rounding fails in a later round, those of the round before stay: better
- * thin tetrahedra than none. */
+ * tetrahedra or rounding fails, and there are places to break. *ret_done: 1 with *ret; else,
+ * unless the status is that of another failure, there may be *kept. */
 static tet_status build_rounds(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options, uint32_t attempt,
-                               tet_build_result *ret) {
-  tet_breaks breaks = {NULL, 0, 0}, before = {NULL, 0, 0}, tried = {NULL, 0, 0};
-  size_t thin = 1;
+                               spare *kept, tet_build_result *ret, int *ret_done) {
+  tet_breaks breaks = {NULL, 0, 0}, tried = {NULL, 0, 0};
   tet_status status = TET_OK;
-  for (int round = 1; thin && round <= MOST_ROUNDS && status == TET_OK; round++) {
-    status = copy_breaks(ctx, &tried, &before);
-    if (status == TET_OK) status = copy_breaks(ctx, &breaks, &tried);
-    if (status == TET_OK)
-      status = build_once(ctx, pls, options, &breaks, attempt, round < MOST_ROUNDS ? THIN : 0, ret, &thin);
-    if (status != TET_E_ROUNDING || round == 1) continue;
-    status = build_once(ctx, pls, options, &before, attempt, 0, ret, &thin);
+  for (int round = 0, thin_rounds = 0; round < MOST_ROUNDS && !*ret_done; round++) {
+    size_t thin = 0;
+    if (round && breaks.n == tried.n) break;
+    status = copy_breaks(ctx, &breaks, &tried);
+    if (status != TET_OK) break;
+    status = build_once(ctx, pls, options, &breaks, attempt, thin_rounds < MOST_THIN_ROUNDS ? THIN : 0, ret, &thin);
+    *ret_done = status == TET_OK && !thin;
+    if (status != TET_OK && status != TET_E_ROUNDING) break;
+    thin_rounds += thin > 0;
+    if (!thin || (kept->thin && kept->thin <= thin)) continue;
+    status = copy_breaks(ctx, &tried, &kept->breaks);
+    kept->attempt = attempt;
+    kept->thin = thin;
   }
   tet_free(ctx, breaks.at);
-  tet_free(ctx, before.at);
   tet_free(ctx, tried.at);
   return status;
 }
 
 tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
                      tet_build_result *ret) {
-  tet_status status = TET_E_ROUNDING;
-  for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS && status == TET_E_ROUNDING; attempt++)
-    status = build_rounds(ctx, pls, options, attempt, ret);
+  spare kept = {.thin = 0};
+  tet_status status = TET_OK;
+  int done = 0;
+  size_t thin;
+  for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS && !done && !kept.thin; attempt++) {
+    status = build_rounds(ctx, pls, options, attempt, &kept, ret, &done);
+    if (status != TET_OK && status != TET_E_ROUNDING) break;
+  }
+  if (!done && kept.thin && (status == TET_OK || status == TET_E_ROUNDING)) /* better thin tetrahedra than none */
+    status = build_once(ctx, pls, options, &kept.breaks, kept.attempt, 0, ret, &thin);
+  tet_free(ctx, kept.breaks.at);
   return status;
 }

@@ -205,6 +205,7 @@ static tet_status commit(refill *f) {
   tet_pieces *p = r->p;
   tet_status status = prepare(f);
   if (status != TET_OK) return status;
+  r->refills++;
   uint32_t region = p->region[f->cavity[0]];
   for (size_t k = 0; k < f->n_border; k++) { /* slits: to the new handle on the other side */
     uint32_t g = f->beyond[k], tag = 0;
@@ -224,6 +225,7 @@ static tet_status commit(refill *f) {
       p->adj[h] = is_border ? f->beyond[tag] : 4 * f->slot[link >> 2] + (link & 3);
       if (is_border && p->adj[h] != TET_NONE) p->adj[p->adj[h]] = h;
     }
+    if ((status = tet_repair_made(r, (uint32_t)t)) != TET_OK) return status;
   }
   return TET_OK;
 }

@@ -7,6 +7,7 @@
  * are not, or, all being positive, lowers the lifted surface: it ends. */
 #include "build/repair.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "build/repair_work.h"
@@ -147,7 +148,8 @@ static tet_status apply(repair *r, const flip *f) {
   for (int q = f->n_made; q < f->n_old; q++) p->tets[4 * (size_t)f->old[q]] = TET_NONE;
   r->flips++;
   for (int k = 0; k < f->n_made && status == TET_OK; k++) {
-    status = push(r, slot[k]);
+    status = tet_repair_made(r, slot[k]);
+    if (status == TET_OK) status = push(r, slot[k]);
     for (uint32_t i = 0; i < 4 && status == TET_OK; i++) {
       uint32_t g = p->adj[4 * (size_t)slot[k] + i];
       if (g != TET_NONE) status = push(r, g >> 2);
@@ -272,7 +274,15 @@ static void compact(repair *r) {
   }
 }
 
+/* 1: t has a Steiner point, or something was made after rounding: the others are as they were. */
+static int may_be_bad(const repair *r, uint32_t t) {
+  const uint32_t *v = r->p->tets + 4 * (size_t)t;
+  uint32_t first = r->exact.first_implicit;
+  return r->flips || r->refills || v[0] >= first || v[1] >= first || v[2] >= first || v[3] >= first;
+}
+
 int tet_repair_is_bad(const repair *r, uint32_t t) {
+  if (!may_be_bad(r, t)) return 0;
   int ok = tet_repair_is_positive(r, t), bad = !ok;
   for (uint32_t i = 0; i < 4 && !bad; i++) bad = tet_repair_is_bad_face(r, 4 * t + i, ok);
   return bad;
@@ -313,16 +323,45 @@ static tet_status mend_all(repair *r) {
   return status;
 }
 
+/* The best place to break a subsegment that keeps bad tetrahedron t from being flipped: where
+ * the edge that would replace it passes. One break for each subsegment is enough: `taken`. */
+static tet_status break_at(const repair *r, uint32_t t, uint8_t *taken, tet_breaks *breaks) {
+  const uint32_t *v = r->p->tets + 4 * (size_t)t;
+  int ok = tet_repair_is_positive(r, t);
+  double gap = INFINITY;
+  uint32_t which = TET_NONE;
+  tet_break best = {0, 0};
+  for (uint32_t i = 0; i < 4; i++) {
+    int bad = tet_repair_is_bad_face(r, 4 * t + i, ok);
+    for (int k = 0; k < 3; k++) {
+      uint32_t x = v[tet_face[i][k]], y = v[tet_face[i][(k + 1) % 3]], z = v[tet_face[i][(k + 2) % 3]];
+      uint32_t sub = tet_edge_map_get(&r->subsegs, x, y), over = bad ? r->p->tets[r->p->adj[4 * t + i]] : z;
+      double before = gap;
+      if (sub == TET_NONE || (!bad && ok)) continue;
+      tet_break_consider(r->surface, &r->exact, r->p->points, sub, x, y, v[i], over, &best, &gap);
+      if (gap < before) which = sub;
+    }
+  }
+  if (which == TET_NONE || taken[which]) return TET_OK;
+  taken[which] = 1;
+  return tet_breaks_add(r->ctx, breaks, &best);
+}
+
 /* What is left, if anything is. */
-static tet_status verify(const repair *r) {
+static tet_status verify(const repair *r, tet_breaks *breaks) {
   uint64_t n = 0;
   const double *place_of = NULL;
-  for (uint32_t t = 0; t < r->p->n_tets; t++) {
+  uint8_t *taken = NULL;
+  tet_status status = TET_OK;
+  for (uint32_t t = 0; t < r->p->n_tets && status == TET_OK; t++) {
     if (!tet_repair_is_bad(r, t)) continue;
-    n++;
+    if (!n++) taken = tet_calloc(r->ctx, r->surface->n_subsegs, 1);
     place_of = repair_at(r, r->p->tets[4 * (size_t)t]);
+    status = taken ? break_at(r, t, taken, breaks) : tet_ctx_error(r->ctx)->status;
   }
-  if (!n) return TET_OK;
+  tet_free(r->ctx, taken);
+  if (!n || status != TET_OK) return status;
+  tet_breaks_sort(breaks);
   return tet_fail(r->ctx, TET_E_ROUNDING,
                   "facets closer than doubles hold: rounding leaves %llu tetrahedra inverted or not locally Delaunay, "
                   "near (%.17g, %.17g, %.17g)",
@@ -342,32 +381,26 @@ static tet_status list_patches(repair *r, const tet_surface *s) {
 }
 
 tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
-                      uint32_t **tri, tet_counts *counts) {
+                      uint32_t **tri, tet_breaks *breaks, tet_counts *counts) {
   size_t n = p->n_tets;
   repair r = {.ctx = ctx, .p = p, .surface = surface, .exact = *exact, .tri = tri, .cap_tets = 4 * n, .cap_adj = 4 * n, .cap_region = n, .cap_tri = 4 * n};
   tet_status status = TET_OK;
   r.exact.x = p->points; /* moved there */
   r.rounded = tet_points_explicit(p->points, p->n_points);
   r.rounded.max_abs = r.exact.max_abs;
-  for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;) {
-    int steiner = 0;
-    for (int i = 0; i < 4; i++) steiner |= p->tets[4 * (size_t)t + (size_t)i] >= p->n_input;
-    if (steiner) status = push(&r, t);
-  }
+  for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;)
+    if (may_be_bad(&r, t)) status = push(&r, t);
   for (uint32_t e = 0; e < surface->n_subsegs && r.n_stack && status == TET_OK; e++)
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
   if (status == TET_OK) status = list_patches(&r, surface);
   if (status == TET_OK) status = flip_all(&r, surface);
   if (status == TET_OK) status = mend_all(&r);
   compact(&r);
-  if (status == TET_OK) status = verify(&r);
+  if (status == TET_OK) status = verify(&r, breaks);
   counts->rounding_flips = r.flips + r.refills;
   counts->rounding_moves = r.moves;
   tet_edge_map_free(ctx, &r.subsegs);
-  tet_free(ctx, r.mark);
-  tet_free(ctx, r.star);
-  tet_free(ctx, r.patch_start);
-  tet_free(ctx, r.patches);
-  tet_free(ctx, r.stack);
+  void *all[] = {r.mark, r.star, r.beside, r.first, r.entry, r.patch_start, r.patches, r.stack};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
   return status;
 }

@@ -21,6 +21,10 @@ typedef struct repair {
   size_t n_stack, cap_stack;
   uint32_t *star;          /* shift.c: the tetrahedra of a vertex */
   size_t n_star, cap_star;
+  uint32_t *beside;        /* [Steiner points][2] shift.c: the vertices before and after it on its segment */
+  uint32_t *first;         /* [Steiner points] its newest entry, or TET_NONE */
+  uint32_t (*entry)[2];    /* a tetrahedron that it had or has, and the entry before */
+  size_t n_entries, cap_entries;
   uint32_t *mark;          /* [n_tets] refill.c: the last cavity a tetrahedron was in */
   size_t cap_mark;
   uint32_t cavity;         /* the number of the last one */
@@ -48,6 +52,9 @@ int tet_repair_is_bad(const repair *r, uint32_t t);
 
 /* A slot for one more tetrahedron, not live yet. */
 tet_status tet_repair_new_slot(repair *r, uint32_t *ret_t);
+
+/* Tells shift.c of a new tetrahedron, or one with new vertices. */
+tet_status tet_repair_made(repair *r, uint32_t t);
 
 /* Tries to move Steiner point v along its segment, by as little as will do, so that
  * fewer of the faces of its tetrahedra are bad and none turns. *ret_done: 1 if it did. */

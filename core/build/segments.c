@@ -30,6 +30,10 @@ static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
 /* Nearer to an end of the subsegment than this part of the distance to the other point, a level
  * point would be of no use. */
 static const double NEAR_END = 0.1;
+/* How far a point may be moved so that rounding moves it less, as part of the way to an end. */
+static const double NUDGE = 0.5;
+/* Later attempts do without: points so close that they have few such places are bent off their line there. */
+enum { LAST_FINE = 3 };
 
 typedef struct recovery {
   tet_state *st;
@@ -236,6 +240,16 @@ static double ruled_place(const recovery *r, uint32_t e, const tet_segment *g, d
   return back ? 1 - u : u;
 }
 
+/* The place nearest to t on segment g that is a double along the axis that is rounded most, if
+ * it is nearer than `most`: a point there hardly leaves its facets when it is rounded. */
+static double fine_place(const recovery *r, const tet_segment *g, double t, double most) {
+  const tet_state *st = r->st;
+  if (st->coarse < 0) return t;
+  double a = at(r, g->a)[st->coarse], d = at(r, g->b)[st->coarse] - a;
+  double fine = d != 0 ? (st->step * rint((a + t * d) / st->step) - a) / d : t;
+  return fabs(fine - t) < most ? fine : t;
+}
+
 /* Where to split subsegment e for reference point p, as t on its segment. */
 static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   const tet_surface *s = &r->st->surface;
@@ -248,7 +262,8 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   if (!(t - ti > least && tj - t > least)) t = middle;
   double off = r->st->attempt ? ELSEWHERE * scatter(r) * fmin(t - ti, tj - t) : 0;
   for (uint32_t k = 1; k < r->st->attempt; k++) off *= FARTHER;
-  return t + off;
+  t += off;
+  return r->st->attempt > LAST_FINE ? t : fine_place(r, g, t, NUDGE * fmin(t - ti, tj - t));
 }
 
 static tet_status too_short(recovery *r, uint32_t e) {
@@ -314,16 +329,22 @@ static tet_status split(recovery *r, uint32_t e) {
   return status == TET_OK ? split_at(r, e, split_place(r, e, p)) : status;
 }
 
-/* Splits segments where thin.c asks for it. Subsegments still are whole segments. */
+/* Splits segments where thin.c asks for it, but not twice in one place. Subsegments still are
+ * whole segments. */
 static tet_status split_breaks(recovery *r) {
   const tet_breaks *breaks = r->st->breaks;
   tet_status status = TET_OK;
+  double last = 0; /* on the segment of the break before */
   for (size_t k = 0; k < breaks->n && status == TET_OK; k++) {
     const tet_break *b = &breaks->at[k];
+    const tet_segment *g = &r->st->surface.segment[b->segment];
     int again = k && breaks->at[k - 1].segment == b->segment;
-    if (again && breaks->at[k - 1].t == b->t) continue;
+    double least = LEAST * r->st->points.max_abs / distance(at(r, g->a), at(r, g->b));
+    if (!again) last = 0;
+    if (!(b->t - last > least && 1 - b->t > least)) continue;
     /* what is left towards b was appended last */
-    status = split_at(r, again ? r->st->surface.n_subsegs - 1 : b->segment, b->t);
+    status = split_at(r, last > 0 ? r->st->surface.n_subsegs - 1 : b->segment, b->t);
+    last = b->t;
     r->st->counts.segment_steiner_points++;
   }
   return status;

@@ -6,34 +6,69 @@
  * made or lost; long moves are for facets close to each other. */
 #include "build/repair_work.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-/* The neighbours of Steiner point v on its segment, as t. */
-static void gap_around(const repair *r, uint32_t v, double *lo, double *hi) {
+/* The neighbours of every Steiner point on its segment, and an entry for each of its tetrahedra. */
+static tet_status begin(repair *r) {
   const tet_surface *s = r->surface;
-  const tet_segment_point *p = &r->exact.implicit[v - r->exact.first_implicit];
-  *lo = 0;
-  *hi = 1;
-  for (size_t e = 0; e < s->n_subsegs; e++)
-    for (int side = 0; side < 2; side++) {
-      uint32_t other = s->subseg[2 * e + (size_t)!side];
-      if (s->subseg[2 * e + (size_t)side] != v || other < r->exact.first_implicit) continue;
-      double t = r->exact.implicit[other - r->exact.first_implicit].t;
-      if (t < p->t && t > *lo) *lo = t;
-      if (t > p->t && t < *hi) *hi = t;
-    }
+  uint32_t from = r->exact.first_implicit, n = r->p->n_points - from;
+  r->beside = tet_alloc(r->ctx, 2 * (size_t)n, sizeof *r->beside);
+  r->first = tet_alloc(r->ctx, n, sizeof *r->first);
+  if (!r->beside || !r->first) return tet_ctx_error(r->ctx)->status;
+  memset(r->first, 0xff, n * sizeof *r->first);
+  for (size_t e = 0; e < s->n_subsegs; e++) {
+    uint32_t a = s->subseg[2 * e], b = s->subseg[2 * e + 1]; /* directed like the segment */
+    if (a >= from) r->beside[2 * (size_t)(a - from) + 1] = b;
+    if (b >= from) r->beside[2 * (size_t)(b - from)] = a;
+  }
+  tet_status status = TET_OK;
+  for (uint32_t t = 0; t < r->p->n_tets && status == TET_OK; t++)
+    if (!repair_is_dead(r, t)) status = tet_repair_made(r, t);
+  return status;
 }
 
-/* The tetrahedra of v. */
-static tet_status find_star(repair *r, uint32_t v) {
-  const tet_pieces *p = r->p;
+tet_status tet_repair_made(repair *r, uint32_t t) {
   tet_status status = TET_OK;
+  for (int i = 0; i < 4 && r->first && status == TET_OK; i++) {
+    uint32_t v = r->p->tets[4 * (size_t)t + (size_t)i];
+    if (v < r->exact.first_implicit) continue;
+    uint32_t *first = &r->first[v - r->exact.first_implicit];
+    status = tet_grow(r->ctx, &r->entry, &r->cap_entries, r->n_entries + 1, sizeof *r->entry);
+    if (status != TET_OK) break;
+    r->entry[r->n_entries][0] = t;
+    r->entry[r->n_entries][1] = *first;
+    *first = (uint32_t)r->n_entries++;
+  }
+  return status;
+}
+
+/* The place of the vertex before (0) or after (1) Steiner point v on its segment. */
+static double place_beside(const repair *r, uint32_t v, int after) {
+  uint32_t w = r->beside[2 * (size_t)(v - r->exact.first_implicit) + (size_t)after];
+  return w < r->exact.first_implicit ? after : r->exact.implicit[w - r->exact.first_implicit].t;
+}
+
+static int compare(const void *pa, const void *pb) {
+  uint32_t a = *(const uint32_t *)pa, b = *(const uint32_t *)pb;
+  return (a > b) - (a < b);
+}
+
+/* The tetrahedra of v, each once. */
+static tet_status find_star(repair *r, uint32_t v) {
+  tet_status status = TET_OK;
+  size_t n = 0;
   r->n_star = 0;
-  for (uint32_t t = 0; t < p->n_tets && status == TET_OK; t++) {
-    const uint32_t *c = p->tets + 4 * (size_t)t;
+  for (uint32_t e = r->first[v - r->exact.first_implicit]; e != TET_NONE && status == TET_OK; e = r->entry[e][1]) {
+    uint32_t t = r->entry[e][0];
+    const uint32_t *c = r->p->tets + 4 * (size_t)t;
     if (!repair_is_dead(r, t) && (c[0] == v || c[1] == v || c[2] == v || c[3] == v))
       status = tet_push(r->ctx, &r->star, &r->n_star, &r->cap_star, t);
   }
+  if (r->n_star) qsort(r->star, r->n_star, sizeof *r->star, compare);
+  for (size_t k = 0; k < r->n_star; k++)
+    if (!k || r->star[k] != r->star[k - 1]) r->star[n++] = r->star[k];
+  r->n_star = n;
   return status;
 }
 
@@ -64,11 +99,11 @@ static int put(repair *r, uint32_t v, double t) {
 
 tet_status tet_shift(repair *r, uint32_t v, int *ret_done) {
   const tet_segment_point *s = &r->exact.implicit[v - r->exact.first_implicit];
-  double lo, hi, from = s->t;
-  tet_status status = find_star(r, v);
+  tet_status status = r->first ? TET_OK : begin(r);
+  if (status == TET_OK) status = find_star(r, v);
   if (status != TET_OK) return status;
   *ret_done = 0;
-  gap_around(r, v, &lo, &hi);
+  double lo = place_beside(r, v, 0), hi = place_beside(r, v, 1), from = s->t;
   uint32_t before = count_bad(r, v, UINT32_MAX);
   double gap = hi - from < from - lo ? hi - from : from - lo;
   for (double share = 0x1p-52; share < 0.5; share *= 2)

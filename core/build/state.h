@@ -20,6 +20,9 @@ typedef struct tet_state {
   tet_counts counts;
   const tet_breaks *breaks; /* Steiner points wanted from the start */
   uint32_t attempt;         /* how often rounding failed: Steiner points go elsewhere then */
+  int coarse;               /* the axis along which doubles are much farther apart than along
+                               the others, as parts of the box's sides; -1: there is none */
+  double step;              /* how far */
 } tet_state;
 
 /* Appends the Steiner point a + t (b - a) of segment s. */

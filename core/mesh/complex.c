@@ -106,7 +106,9 @@ void tet_complex_give_up(tet_complex *c) {
   }
 }
 
-tet_status tet_complex_star(tet_complex *c, uint32_t a) {
+/* The tetrahedra of a, into made: all, or up to the first that also has vertex b. */
+static tet_status flood_star(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t) {
+  *ret_t = TET_NONE;
   c->n_made = 0;
   uint32_t first = c->at[a];
   if (first == TET_NONE) return TET_OK;
@@ -114,30 +116,29 @@ tet_status tet_complex_star(tet_complex *c, uint32_t a) {
   if (status != TET_OK) return status;
   c->made[c->n_made++] = first;
   c->flag[first] |= TET_FLAG_MARK;
-  for (size_t k = 0; k < c->n_made && status == TET_OK; k++) {
+  if (b != TET_NONE && tet_index_of(c, first, b) < 4) *ret_t = first;
+  for (size_t k = 0; k < c->n_made && *ret_t == TET_NONE && status == TET_OK; k++) {
     const size_t h = 4 * (size_t)c->made[k];
     if (c->cap_made - c->n_made < 3) status = tet_grow(c->ctx, &c->made, &c->cap_made, c->n_made + 3, sizeof *c->made);
-    for (size_t i = h; i < h + 4 && status == TET_OK; i++) {
+    for (size_t i = h; i < h + 4 && *ret_t == TET_NONE && status == TET_OK; i++) {
       uint32_t o = c->adj[i] >> 2;
       if (c->v[i] == a || c->flag[o] & TET_FLAG_MARK) continue;
       c->flag[o] |= TET_FLAG_MARK;
       c->made[c->n_made++] = o;
+      if (b != TET_NONE && c->v[c->adj[i]] == b) *ret_t = o; /* no other vertex of it is new */
     }
   }
   for (size_t k = 0; k < c->n_made; k++) c->flag[c->made[k]] &= (uint8_t)~TET_FLAG_MARK;
   return status;
 }
 
+tet_status tet_complex_star(tet_complex *c, uint32_t a) {
+  uint32_t t;
+  return flood_star(c, a, TET_NONE, &t);
+}
+
 tet_status tet_complex_find_edge(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t) {
-  *ret_t = TET_NONE;
-  tet_status status = tet_complex_star(c, a);
-  if (status != TET_OK) return status;
-  for (size_t k = 0; k < c->n_made; k++)
-    if (tet_index_of(c, c->made[k], b) < 4) {
-      *ret_t = c->made[k];
-      break;
-    }
-  return TET_OK;
+  return flood_star(c, a, b, ret_t);
 }
 
 uint32_t tet_complex_face_at_edge(const tet_complex *c, uint32_t t, uint32_t a, uint32_t b, uint32_t d) {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the benchmarks and prints what they measured beside the peers that are installed.
 
-    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|refine|codec ...] [--repeat N] [--small]
+    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|recovery|refine|codec ...] [--repeat N] [--small]
 
 Ours and a peer's runs take turns, as machines are shared and noisy; a row gives medians,
 and the ratio is that of the medians. --small divides all sizes by ten. Nothing here fails by
@@ -11,14 +11,19 @@ the clock; a program that does not work is a failure.
 
 import argparse
 import json
+import math
 import os
 import pathlib
+import random
 import re
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import models  # noqa: E402
 
 KERNEL = [("cube", 100_000), ("cube", 1_000_000), ("cube", 4_000_000), ("clusters", 1_000_000), ("planes", 200_000),
           ("grid", 262_144), ("lattice", 262_144), ("sphere", 200_000), ("circle", 2_000)]
@@ -150,6 +155,112 @@ def growth(b):
     print(f"  {few}: {costs[0]:.3f}   {many}: {costs[1]:.3f}   ratio {costs[1] / costs[0]:.2f}")
 
 
+CDT_STAGES = ("delaunay", "surface", "segments", "facets", "regions")
+TETGEN_PHASES = ("Delaunay", "Surface mesh", "Constrained Delaunay", "Exterior tets removal")
+LEAST = 0.05  # seconds: a model that takes TetGen less says little by itself
+
+
+def cdt(b, path, *options):
+    """Processor seconds of the stages of the CDT, and counts."""
+    said = json.loads(re.sub(r":-?(inf|nan)", ":0", output(b.meshpls, path, "--stage", "cdt", *options)))
+    return {"seconds": sum(said["cpu"][s] for s in CDT_STAGES), "facets": said["cpu"]["facets"],
+            "steiner": said["steiner"], "cavities": said["cavities"], "tets": said["tets"]}
+
+
+def tetgen_cdt(path):
+    """Seconds of the same phases by its own clock; None where it gives up."""
+    done = subprocess.run(["tetgen", "-pVNEFB", str(path)], capture_output=True, text=True, check=False)
+    found = [re.search(rf"^{phase} seconds:\s*([\d.e-]+)", done.stdout, re.M) for phase in TETGEN_PHASES]
+    return {"seconds": sum(float(m.group(1)) for m in found)} if done.returncode == 0 and all(found) else None
+
+
+def surfaces(b):
+    """The surface models, one marker for each group of coplanar facets, so that both keep every facet."""
+    sums, worst = [0.0, 0.0], 0.0
+    for model in models.folder("surface"):
+        off, smesh = models.as_off(model, b.scratch), b.scratch / (model.stem + ".smesh")
+        output(sys.executable, models.SHARED / "judge/tosmesh.py", off, smesh)
+        runs = [lambda p=smesh: cdt(b, p)]
+        if shutil.which("tetgen"):
+            runs.append(lambda p=smesh: tetgen_cdt(p))
+        results = b.turns(*runs)
+        line = f"  {model.stem:<16}{median(results[0]):8.4f} s {results[0][0]['steiner']:>7} Steiner points"
+        if len(results) > 1 and all(results[1]):
+            ours, theirs = median(results[0]), median(results[1])
+            sums = [sums[0] + ours, sums[1] + theirs]
+            worst = max(worst, ours / theirs) if theirs >= LEAST else worst
+            line += f"   TetGen {theirs:8.4f} s  {theirs / ours:5.2f}"
+        elif len(results) > 1:
+            line += "   TetGen gives up"
+        print(line, flush=True)
+    if sums[1]:
+        print(f"  sum             {sums[0]:8.4f} s   TetGen {sums[1]:8.4f} s  {sums[1] / sums[0]:5.2f};"
+              f" the least of those over {LEAST} s {1 / worst if worst else 0:5.2f}", flush=True)
+
+
+def write_pls(path, points, facets):
+    """facets: lists of polygons, which are lists of points' numbers."""
+    with open(path, "w", encoding="ascii") as f:
+        f.write(f"{len(points)} 3 0 0\n")
+        f.writelines(f"{i} {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(points))
+        f.write(f"{len(facets)} 0\n")
+        for polygons in facets:
+            f.write(f"{len(polygons)} 0\n")
+            f.writelines(f"{len(p)} {' '.join(map(str, p))}\n" for p in polygons)
+        f.write("0\n0\n")
+
+
+def layers(v, f, upwards):
+    """L(v, f) of thesis Fig. 5.15: f large parallel squares under a cluster of v points, and a
+    point below, whose v edges to them cross all the squares; all of these are missing, and no
+    segment. The order of the facets is that of their recovery."""
+    rng = random.Random(v + f)
+    points, facets = [], []
+    for i in range(f):
+        z = -1.0 - 38.0 * (f - 1 - i if upwards else i) / f
+        facets.append([list(range(len(points), len(points) + 4))])
+        points += [(x + rng.uniform(-1e-4, 1e-4), y + rng.uniform(-1e-4, 1e-4), z)
+                   for x, y in ((-20, -20), (20, -20), (20, 20), (-20, 20))]
+    for _ in range(v):  # on a bowl, so that the point below sees them all
+        x, y = rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1)
+        points.append((x, y, x * x + y * y))
+    return points + [(0.0, 0.0, -40.0)], facets
+
+
+def line_and_circle(n):
+    """n points on a line through the middle of a circle of n others, and a box round both."""
+    points = [(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n), 0.0) for i in range(n)]
+    points += [(0.0, 0.0, 2.0 * (i + 0.5) / n - 1.0) for i in range(n)]
+    first = len(points)
+    points += [(4.0 * (i & 1) - 2, 2.0 * (i & 2) - 2, 1.0 * (i & 4) - 2) for i in range(8)]
+    sides = ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6))
+    return points, [[[first + i for i in side]] for side in sides]
+
+
+def recovery(b):
+    print(f"CDT, one thread, processor seconds (medians of {b.repeat}; ratio: TetGen's by ours)")
+    if models.available():
+        surfaces(b)
+    else:
+        print("  no models beside the checkout")
+    for upwards in (False, True):
+        costs = []
+        for v, f in ((500, 50), (1000, 100)):
+            path = b.scratch / "layers.poly"
+            write_pls(path, *layers(b.sized(v), b.sized(f), upwards))
+            rows = b.turns(lambda p=path: cdt(b, p, "--keep-hull"))[0]
+            costs.append(median(rows))
+            print(f"  L({b.sized(v)}, {b.sized(f)}) {'upwards' if upwards else 'downwards':<10}{costs[-1]:8.4f} s,"
+                  f" facets {median(rows, 'facets'):8.4f} s, {rows[0]['cavities']} cavities,"
+                  f" {rows[0]['steiner']} Steiner points", flush=True)
+        print(f"    grows {costs[1] / costs[0]:.2f} times", flush=True)
+    n = b.sized(1000)
+    path = b.scratch / "line_and_circle.poly"
+    write_pls(path, *line_and_circle(n))
+    rows = b.turns(lambda: cdt(b, path))[0]
+    print(f"  line and circle of {n} + {n} points {median(rows):8.4f} s, {rows[0]['tets']} tetrahedra", flush=True)
+
+
 CUBE = """8 3 0 0
 0 0 0 0
 1 1 0 0
@@ -216,8 +327,8 @@ def codec(b):
 
 
 def main():
-    benches = {"kernel": kernel, "removal": removal, "threads": threads, "growth": growth, "refine": refine,
-               "codec": codec}
+    benches = {"kernel": kernel, "removal": removal, "threads": threads, "growth": growth, "recovery": recovery,
+               "refine": refine, "codec": codec}
     parser = argparse.ArgumentParser()
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("which", nargs="*", choices=[[], *benches], default=[])

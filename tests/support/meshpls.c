@@ -370,6 +370,8 @@ static void print_report(const job *j, const tet_mesh *m) {
   if (a->bad_facets) printf(",\"facet\":%u", a->facet);
   printf("},\"stages\":{");
   for (uint32_t i = 0; i < r->n_stages; i++) printf("%s\"%s\":%.4f", i ? "," : "", r->stages[i].name, r->stages[i].seconds);
+  printf("},\"cpu\":{");
+  for (uint32_t i = 0; i < r->n_stages; i++) printf("%s\"%s\":%.4f", i ? "," : "", r->stages[i].name, r->stages[i].cpu_seconds);
   printf("}}\n");
 }
 

@@ -74,15 +74,25 @@ def interfaces_squeezed(rng):
     return materials(rng, cells) if complexes.is_valid(cells) else None
 
 
-@family
-def interfaces_shifted(rng):
-    cells = complexes.random_tetrahedra(rng, rng.randrange(2, 30), rng.choice((0, 0.01)))
+def shifted(rng, cells):
     offset = [rng.choice((-1, 0, 1)) * 1e6 * rng.choice((1, 1.1, 0.123456789)) for _ in range(3)]
     cells = moved(cells, lambda p: (x + o for x, o in zip(p, offset)))
     pls = materials(rng, cells) if complexes.is_valid(cells) else None
     if pls:
         pls.volume = None  # Steiner points round by 1e-10 of the size
     return pls
+
+
+@family
+def interfaces_shifted(rng):
+    return shifted(rng, complexes.random_tetrahedra(rng, rng.randrange(2, 30), rng.choice((0, 0.01))))
+
+
+@family
+def interfaces_far(rng):
+    """Squeezed and shifted: doubles are 1e-10 apart where the sizes are 1 and down to 1e-5."""
+    cells = complexes.random_tetrahedra(rng, rng.randrange(2, 15), rng.choice((0, 0.01)))
+    return shifted(rng, squeeze(rng, cells, rng.choice((1e-2, 1e-3, 1e-4, 1e-5))))
 
 
 def kuhn(rng, most=27):
@@ -101,7 +111,7 @@ def interfaces_kuhn(rng):
 @family
 def interfaces_jittered(rng):
     n, cells = kuhn(rng)
-    return materials(rng, complexes.jitter(rng, cells, n, (1.0, 1.0, 1.0), 10 ** rng.uniform(-12, 0)))
+    return materials(rng, complexes.jitter(rng, cells, n, (1.0, 1.0, 1.0), 10 ** rng.uniform(-17, 0)))
 
 
 def sheared(rng, shares, most):
@@ -321,8 +331,9 @@ def needles(rng):
         elif kind == 2:
             pls.regions.append((*seed, i + 2))
     alone = rng.random() < 0.2 and tip is None and len(pls.facets) >= 4
-    if alone and math.dist(*(pls.points[v] for v in pls.facets[0].polygons[0][:2])) > 1e-3:  # the first one alone
+    if alone:  # the first one alone
         pls.facets, pls.holes, pls.regions, pls.shell = pls.facets[:4], [], [], True
+        pls.facets[0].polygons[0].reverse()  # no orientation, no volume: the judge's doubles do not hold that small ones
         complexes.drop_unused(pls)
         return pls
     around(pls, (-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 
+import blind
 import families
 import spoils
 
@@ -29,6 +30,7 @@ LIMIT = 120
 OFFENCE = re.compile(r"^  kind (\d+) number (\d+), kind (\d+) number (\d+)", re.M)
 STATUS = re.compile(r": ([a-z_]+): ")
 JUDGE_TOLERANCE = "1e-14"
+JUDGE_FAULT = re.compile(r'"[^"]*"')
 
 
 class Result:
@@ -37,6 +39,7 @@ class Result:
     def __init__(self, name, seed):
         self.name, self.seed = name, seed
         self.fault = self.judge_fault = self.time_fault = self.spoil_fault = ""
+        self.blind = False  # the judge could not tell
         self.way = ""  # in which the twin was spoiled
         self.seconds, self.judged, self.report = 0.0, False, {}
 
@@ -113,6 +116,9 @@ def run_case(name, seed, folder, judge=None, way=None):
         if judge:
             result.judged = True
             result.judge_fault = judge_fault(judge, path, prefix, pls.volume is not None)
+            result.blind = bool(result.judge_fault) and blind.cannot_tell(JUDGE_FAULT.findall(result.judge_fault), pls, prefix)
+            if result.blind:
+                result.judge_fault, result.judged = "", False
     spoiled = spoils.spoil(pls, f"{name} {seed}", way)
     if spoiled:
         result.way, twin, expected = spoiled
@@ -161,12 +167,12 @@ def complaint(result):
 
 
 def table(found):
-    head = f"{'family':22} {'cases':>6} {'meshed':>7} {'judged':>7} {'spoiled':>8} {'refused':>8} {'median s':>9} {'worst s':>8} {'Steiner':>8} {'flips':>7} {'moves':>6}"
+    head = f"{'family':22} {'cases':>6} {'meshed':>7} {'judged':>7} {'blind':>6} {'spoiled':>8} {'refused':>8} {'median s':>9} {'worst s':>8} {'Steiner':>8} {'flips':>7} {'moves':>6}"
     lines = [head]
     for name, rs in found.items():
         spoiled = [r for r in rs if r.way]
         counts = [statistics.fmean([r.report.get(k, 0) for r in rs]) for k in ("steiner", "flips", "moves")]
-        lines.append(f"{name:22} {len(rs):6} {sum(bool(r.report) for r in rs):7} {sum(r.judged and not r.judge_fault for r in rs):7} {len(spoiled):8} "
+        lines.append(f"{name:22} {len(rs):6} {sum(bool(r.report) for r in rs):7} {sum(r.judged and not r.judge_fault for r in rs):7} {sum(r.blind for r in rs):6} {len(spoiled):8} "
                      f"{sum(not r.spoil_fault for r in spoiled):8} {statistics.median(r.seconds for r in rs):9.4f} "
                      f"{max(r.seconds for r in rs):8.3f} {counts[0]:8.1f} {counts[1]:7.1f} {counts[2]:6.2f}")
     return "\n".join(lines)

@@ -51,7 +51,8 @@ def test_members_are_meshed(name):
 def test_meshes_are_judged_exact(name):
     if judge() is None:
         pytest.skip("no judge beside the checkout, or no g++ and CGAL")
-    assert all(r.judged or r.fault for r in results(name))
+    assert all(r.judged or r.blind or r.fault for r in results(name))
+    assert sum(r.blind for r in results(name)) < 0.2 * len(results(name))  # it can, mostly
     assert_no("judge_fault", name)
 
 
