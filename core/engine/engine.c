@@ -16,7 +16,7 @@
 #include <string.h>
 
 void tet_options_default(tet_options *options) {
-  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5,
+  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5, .order = TET_INSERT_O2,
                            .point_order = TET_ORDER_INPUT_FIRST,
                            .threads = 1};
 }
@@ -26,6 +26,7 @@ static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_res
   tet_refine_options_default(&how);
   how.radius_edge = options->radius_edge;
   how.max_volume = options->max_volume;
+  how.order = options->order;
   how.min_dihedral = options->min_dihedral;
   tet_stage_begin(ctx, "refine");
   tet_status status = tet_refine(ctx, &built->pieces, &how, ret);

@@ -57,7 +57,7 @@ typedef struct refine_patch {
   double normal[3];  /* unit */
 } refine_patch;
 
-enum { CHUNK = 30, KEYS = 1 << 13, BUCKETS = 3 * KEYS };
+enum { CHUNK = 30, QUARTERS = 2, KEYS = 1 << (11 + QUARTERS), BUCKETS = 3 * KEYS };
 
 /* Some of a bucket's tetrahedra. */
 typedef struct refine_chunk {
@@ -179,6 +179,8 @@ typedef struct refiner {
   uint64_t last_point; /* vertices at which slivers are given up */
   refine_buckets bad;
   double *max_volume; /* [region] */
+  uint32_t *round_start; /* [KEYS] with TET_INSERT_RELATIVELY_SHORT: vertices there were when each round began */
+  uint32_t n_rounds;
 
   tet_refine_result result;
 } refiner;

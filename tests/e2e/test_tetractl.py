@@ -489,6 +489,31 @@ def test_wrong_bounds_of_dihedral_angles_end_with_2(tmp_path, cube, wrong, told)
     assert only(tmp_path, "cube.off")
 
 
+def test_the_insertion_order_is_chosen(tmp_path):
+    points = ["10 3 0 0", *(f"{i} {i & 1} {i >> 1 & 1} {i >> 2}" for i in range(8)), "8 .5 .5 .5", "9 .5 .5 .503"]
+    (tmp_path / "box.smesh").write_text("\n".join([*points, "6 0", "4 0 1 3 2", "4 4 5 7 6", "4 0 1 5 4", "4 2 3 7 6",
+                                                    "4 0 2 6 4", "4 1 3 7 5", "0", "0", ""]), encoding="ascii")
+    meshes = {}
+    for order in ("O1", "O2", "O3", "O4", "O5", "relatively_short", None):
+        out, report = tmp_path / "out.node", tmp_path / "report.json"
+        done = tetractl("mesh", tmp_path / "box.smesh", "-o", out, "--report", report, "--radius-edge", "1.2",
+                        *(["--order", order] if order else []))
+        assert done.returncode == 0, done.stderr
+        said = json.loads(report.read_text(encoding="utf-8"))
+        assert said["audit"]["passed"] and said["exceptions"]["count"] == 0
+        meshes[order] = out.read_bytes()
+    assert meshes[None] == meshes["O2"] and len(set(meshes.values())) > 3
+
+
+@pytest.mark.parametrize("wrong, told", [
+    (["--order", "O6"], "'O6' is no value of --order"), (["--order", "short"], "--order"),
+    (["--stage", "cdt", "--order", "O1"], "--stage refine")])
+def test_wrong_insertion_orders_end_with_2(tmp_path, cube, wrong, told):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", *wrong)
+    assert done.returncode == 2 and told in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
+
+
 def test_progress_is_drawn_on_a_terminal_alone(tmp_path, cube):
     try:
         master, slave = pty.openpty()

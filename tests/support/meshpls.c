@@ -4,6 +4,7 @@
  *   meshpls INPUT(.node .poly .smesh .off) [PREFIX] [--stage delaunay|cdt|refine]
  *     [--radius-edge R] [--max-volume V] [--min-dihedral D] [--memory BYTES]
  *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--keep-hull] [--hilbert]
+ *     [--order O1|O2|O3|O4|O5|relatively_short]
  *
  * Writes PREFIX.node, .ele, .face and .edge, and one line of JSON on the standard
  * output. A developer's tool: files are believed, and people use tetractl. Exit status:
@@ -360,12 +361,21 @@ static tet_stage stage_of(const char *name) {
   return TET_STAGE_REFINE;
 }
 
+static tet_insertion order_of(const char *name) {
+  static const char *const names[] = {"O1", "O2", "O3", "O4", "O5", "relatively_short"};
+  for (int i = 0; i < 6; i++)
+    if (strcmp(name, names[i]) == 0) return (tet_insertion)(TET_INSERT_O1 + i);
+  die("no such order:", name);
+  return TET_INSERT_O2;
+}
+
 /* Takes one option that needs a value; 0 if `name` is none. */
 static int take_value(job *j, const char *name, const char *value) {
   if (strcmp(name, "--stage") == 0) j->options.stage = stage_of(value);
   else if (strcmp(name, "--radius-edge") == 0) j->options.radius_edge = atof(value);
   else if (strcmp(name, "--max-volume") == 0) j->options.max_volume = atof(value);
   else if (strcmp(name, "--min-dihedral") == 0) j->options.min_dihedral = atof(value);
+  else if (strcmp(name, "--order") == 0) j->options.order = order_of(value);
   else if (strcmp(name, "--tolerance") == 0) j->options.planarity_tolerance = atof(value);
   else if (strcmp(name, "--memory") == 0) j->limits.memory_bytes = strtoull(value, NULL, 10);
   else if (strcmp(name, "--vertices") == 0) j->limits.max_vertices = strtoull(value, NULL, 10);

@@ -29,6 +29,18 @@ typedef enum tet_point_order {
   TET_ORDER_HILBERT = 1      /* all vertices along a Hilbert curve */
 } tet_point_order;
 
+/* Which of the tetrahedra over the radius-edge bound is split next (3.3.5, Table 3.2; 3.3.6). Lengths
+ * and ratios whose squares agree in their power of two and its quarter are alike, the newest first. */
+typedef enum tet_insertion {
+  TET_INSERT_O1 = 1, /* of the largest radius-edge ratio */
+  TET_INSERT_O2 = 2, /* of the shortest edge */
+  TET_INSERT_O3 = 3, /* of the smallest circumradius */
+  TET_INSERT_O4 = 4, /* of the largest circumradius */
+  TET_INSERT_O5 = 5, /* at random */
+  TET_INSERT_RELATIVELY_SHORT = 6 /* in rounds (DELAUNAYREFINE2, Fig. 3.18): all whose shortest edge was there
+                                     when the round began, edge after edge; what came by that waits for the next */
+} tet_insertion;
+
 typedef enum tet_voronoi {
   TET_VORONOI_NONE = 0,
   TET_VORONOI_FACTORS = 1, /* cell volumes, edge factors, shares of subfaces */
@@ -43,6 +55,7 @@ typedef struct tet_options {
   double max_volume;           /* of every tetrahedron; 0: none */
   double min_dihedral;         /* degrees, up to TET_MOST_DIHEDRAL: tetrahedra with a smaller dihedral angle are
                                   slivers, which refinement removes (3.4.2); 0: none are; default 5 */
+  tet_insertion order;         /* of insertion; default O2 */
   int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
   int neighbours;              /* deliver the neighbours array */

@@ -23,6 +23,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_true(options.radius_edge == 2.0);
     assert_true(options.max_volume == 0.0);
     assert_true(options.min_dihedral == 5.0);
+    assert_int_equal(options.order, TP_INSERT_O2);
     assert_false(options.keep_hull);
     assert_int_equal(options.voronoi, TP_VORONOI_NONE);
     assert_int_equal(options.point_order, TP_ORDER_HILBERT);
@@ -44,6 +45,10 @@ static void refusals_name_the_option(void **state) {
       {"{\"min_dihedral\":30.01}", "options.min_dihedral"},
       {"{\"min_dihedral\":\"5\"}", "options.min_dihedral"},
       {"{\"min_dihedral\":false}", "options.min_dihedral"},
+      {"{\"order\":\"O6\"}", "options.order"},
+      {"{\"order\":\"o2\"}", "options.order"},
+      {"{\"order\":2}", "options.order"},
+      {"{\"stage\":\"cdt\",\"order\":\"O2\"}", "options.order"},
       {"{\"keep_hull\":1}", "options.keep_hull"},
       {"{\"planarity_tolerance\":-1e-9}", "options.planarity_tolerance"},
       {"{\"seed\":-1}", "options.seed"},
@@ -79,6 +84,7 @@ static void what_is_written_is_read(void **state) {
                              .radius_edge = 1.414,
                              .max_volume = 0.1,
                              .min_dihedral = 0.0,
+                             .order = TP_INSERT_O3,
                              .keep_hull = true,
                              .planarity_tolerance = 1e-6,
                              .seed = UINT64_C(1) << 53,
@@ -93,14 +99,24 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(json_object_size(json), 0);
   json_decref(json);
   json = tp_options_json(&wanted);
-  assert_int_equal(json_object_size(json), 11);
+  assert_int_equal(json_object_size(json), 12);
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&
-              read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.keep_hull && read.neighbours &&
+              read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.order == TP_INSERT_O3 &&
+              read.keep_hull && read.neighbours &&
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
               read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
+  for (int order = TP_INSERT_O1; order <= TP_INSERT_RELATIVELY_SHORT; order++) {
+    tp_options_default(&read);
+    read.order = (tp_insertion)order;
+    json = tp_options_json(&read);
+    assert_int_equal(json_object_size(json), order != TP_INSERT_O2);
+    assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
+    json_decref(json);
+    assert_int_equal(read.order, order);
+  }
   for (int voronoi = TP_VORONOI_FACTORS; voronoi <= TP_VORONOI_DIAGRAM; voronoi++) {
     tp_options_default(&read);
     read.voronoi = (tp_voronoi)voronoi;

@@ -179,6 +179,8 @@ static void refuses_arguments_before_sending(void **state) {
                                     {.codec = "gzip"},   {.stage = "cdt", .radius_edge = 2},
                                     {.planarity_tolerance = -1},
                                     {.min_dihedral = 40},
+                                    {.order = "O6"},
+                                    {.stage = "cdt", .order = "O1"},
                                     {.min_dihedral = -1},
                                     {.bound_only = 1, .min_dihedral = 5},
                                     {.stage = "cdt", .bound_only = 1}};
