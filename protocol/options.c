@@ -8,7 +8,7 @@
 
 static const char *const stage_names[] = {"delaunay", "cdt", "refine"};
 static const char *const order_names[] = {"input_first", "hilbert"};
-static const char *const insertion_names[] = {"O1", "O2", "O3", "O4", "O5", "relatively_short"}; /* from 1 */
+static const char *const insertion_names[] = {"O2_O1", "O1", "O2", "O3", "O4", "O5", "relatively_short"};
 static const char *const voronoi_names[] = {NULL, "factors", "diagram"}; /* none: absent */
 
 const char *tp_stage_name(tp_stage stage) { return stage_names[stage]; }
@@ -30,7 +30,7 @@ bool tp_stage_of(const char *name, tp_stage *ret_stage) {
 
 void tp_options_default(tp_options *ret_options) {
   *ret_options = (tp_options){
-      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5.0, .order = TP_INSERT_O2,
+      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5.0, .order = TP_INSERT_O2_O1,
       .point_order = TP_ORDER_HILBERT, .threads = 1};
 }
 
@@ -80,9 +80,9 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
     return TP_OK;
   }
   if (strcmp(name, "order") == 0) {
-    const int place = place_of(insertion_names, 6, text);
-    if (place < 0) return refuse(error, name, "is none of O1, O2, O3, O4, O5, relatively_short");
-    options->order = (tp_insertion)(place + 1);
+    const int place = place_of(insertion_names, 7, text);
+    if (place < 0) return refuse(error, name, "is none of O2_O1, O1, O2, O3, O4, O5, relatively_short");
+    options->order = (tp_insertion)place;
     return TP_OK;
   }
   if (strcmp(name, "voronoi") == 0) {
@@ -153,7 +153,7 @@ json_t *tp_options_json(const tp_options *options) {
   if (options->min_dihedral != usual.min_dihedral)
     failed |= json_object_set_new(json, "min_dihedral", json_real(options->min_dihedral));
   if (options->order != usual.order)
-    failed |= json_object_set_new(json, "order", json_string(insertion_names[options->order - 1]));
+    failed |= json_object_set_new(json, "order", json_string(insertion_names[options->order]));
   if (options->keep_hull) failed |= json_object_set_new(json, "keep_hull", json_true());
   if (options->planarity_tolerance != 0.0)
     failed |= json_object_set_new(json, "planarity_tolerance",

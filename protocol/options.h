@@ -22,7 +22,8 @@ typedef enum tp_point_order { TP_ORDER_INPUT_FIRST = 0, TP_ORDER_HILBERT } tp_po
 typedef enum tp_voronoi { TP_VORONOI_NONE = 0, TP_VORONOI_FACTORS, TP_VORONOI_DIAGRAM } tp_voronoi;
 
 typedef enum tp_insertion {
-  TP_INSERT_O1 = 1,
+  TP_INSERT_O2_O1 = 0,
+  TP_INSERT_O1,
   TP_INSERT_O2,
   TP_INSERT_O3,
   TP_INSERT_O4,
@@ -37,7 +38,7 @@ typedef struct tp_options {
   double radius_edge;         /* >= 1; default 2.0; only of refine */
   double max_volume;          /* 0: none (default); only of refine */
   double min_dihedral;        /* degrees, 0 (slivers stay) to TP_MOST_DIHEDRAL; default 5; only of refine */
-  tp_insertion order;         /* default TP_INSERT_O2; only of refine */
+  tp_insertion order;         /* default TP_INSERT_O2_O1; only of refine */
   bool keep_hull;
   double planarity_tolerance; /* >= 0; 0: the engine's default */
   uint64_t seed;              /* up to 2^53 */

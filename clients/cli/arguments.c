@@ -67,7 +67,7 @@ static const struct {
     {"bound-only", 0, OPTION_BOUND_ONLY, GROUP_JOB,
      "        stop when the other bounds hold: small dihedral angles stay"},
     {"order", 1, OPTION_ORDER, GROUP_JOB,
-     "ORDER   of insertion: O1 to O5 (O2), or relatively_short"},
+     "ORDER   of insertion: O2_O1 (default), O1 to O5, or relatively_short"},
     {"keep-hull", 0, OPTION_KEEP_HULL, GROUP_JOB,
      "        keep the convex hull: outside and holes stay"},
     {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB,
@@ -196,7 +196,8 @@ static bool read_name(const char *text, const char *const *names, const char **r
 static bool apply_job_option(arguments *args, int option, const char *value) {
     static const char *const stages[] = {"delaunay", "cdt", "refine", NULL};
     static const char *const codecs[] = {"raw", "zlib", "mesh", NULL};
-    static const char *const orders[] = {"O1", "O2", "O3", "O4", "O5", "relatively_short", NULL};
+    static const char *const orders[] = {"O2_O1", "O1", "O2", "O3", "O4", "O5",
+                                         "relatively_short", NULL};
     tetrad_options *o = &args->options;
     double real;
     char *end;

@@ -16,7 +16,7 @@
 #include <string.h>
 
 void tet_options_default(tet_options *options) {
-  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5, .order = TET_INSERT_O2,
+  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5, .order = TET_INSERT_O2_O1,
                            .point_order = TET_ORDER_INPUT_FIRST,
                            .threads = 1};
 }

@@ -56,18 +56,27 @@ tet_status refine_open_queue(refiner *r) {
   q->head = tet_alloc(r->ctx, BUCKETS, sizeof *q->head);
   q->used = tet_calloc(r->ctx, BUCKETS / 64, sizeof *q->used);
   if (!q->head || !q->used) return TET_E_MEMORY;
-  for (int b = 0; b < BUCKETS; b++) q->head[b] = TET_NONE;
   q->free_chunk = TET_NONE;
   if (r->o.order != TET_INSERT_RELATIVELY_SHORT) return TET_OK;
   r->round_start = tet_alloc(r->ctx, KEYS, sizeof *r->round_start);
   return r->round_start ? TET_OK : TET_E_MEMORY;
 }
 
-/* Positive x by its power of two and the quarters of that, ascending. */
+/* Positive x by its power of two and the 32nds of that, ascending. */
 static inline uint32_t key_of(double x) {
   uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
-  return (uint32_t)(bits >> (52 - QUARTERS));
+  return (uint32_t)(bits >> (52 - FINE));
+}
+
+/* The same by quarters. */
+static inline uint32_t quarter_of(double x) { return key_of(x) & ~(uint32_t)(QUARTER - 1); }
+
+/* Short edges first, by quarters, and of those large ratios, by quarters from the bound on. */
+static inline uint32_t usual_key(const refiner *r, const refine_shape *s) {
+  double reach = 2 * s->volume6 * r->o.radius_edge, over = tet_square(s->to_centre) / (reach * reach * s->shortest2);
+  uint32_t class = over < 4 ? (key_of(over) - key_of(1)) / QUARTER : QUARTER - 1;
+  return quarter_of(s->shortest2) | (QUARTER - 1 - (over < 1 ? 0 : class));
 }
 
 /* The round that an edge's younger end came before (see TET_INSERT_RELATIVELY_SHORT). */
@@ -103,14 +112,18 @@ static uint32_t random_key(const refiner *r, uint32_t t) {
 
 /* The key among tetrahedra over the radius-edge bound, least first (3.3.5, Table 3.2; 3.3.6). */
 static uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
-  double radius2 = s->volume6 > 0 ? tet_square(s->to_centre) / (4 * s->volume6 * s->volume6) : INFINITY;
+  double x = INFINITY; /* of a tetrahedron that is flat, or whose measures overflow */
+  if (s->volume6 > 0) x = tet_square(s->to_centre) / (4 * s->volume6 * s->volume6);
+  if (r->o.order == TET_INSERT_O1) x /= s->shortest2;
+  if (!(x < INFINITY)) x = INFINITY;
   switch (r->o.order) {
-  case TET_INSERT_O1: return KEYS - 1 - key_of(radius2 / s->shortest2);
-  case TET_INSERT_O3: return key_of(radius2);
-  case TET_INSERT_O4: return KEYS - 1 - key_of(radius2);
+  case TET_INSERT_O3: return key_of(x);
+  case TET_INSERT_O1:
+  case TET_INSERT_O4: return KEYS - 1 - key_of(x);
   case TET_INSERT_O5: return random_key(r, t);
   case TET_INSERT_RELATIVELY_SHORT: return round_of(r, t);
-  default: return key_of(s->shortest2);
+  case TET_INSERT_O2: return key_of(s->shortest2);
+  default: return usual_key(r, s);
   }
 }
 
@@ -120,16 +133,16 @@ static uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
 static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
   refine_measure(r, t, ret_shape);
   if (refine_over_ratio(r, ret_shape))
-    return r->o.order == TET_INSERT_O2 ? key_of(ret_shape->shortest2) : ratio_key(r, t, ret_shape);
-  if (refine_over_volume(r, t, ret_shape)) return 2 * KEYS - 1 - (key_of(ret_shape->volume6) >> QUARTERS << QUARTERS);
+    return r->o.order == TET_INSERT_O2_O1 ? usual_key(r, ret_shape) : ratio_key(r, t, ret_shape);
+  if (refine_over_volume(r, t, ret_shape)) return 2 * KEYS - 1 - (key_of(ret_shape->volume6) >> FINE << FINE);
   if (!r->watch_slivers) return BUCKETS;
   double sine2 = 1 - refine_sharpest(r, t);
-  return sine2 < r->sliver_sine2 ? 2 * KEYS + key_of(sine2) : BUCKETS;
+  return sine2 < r->sliver_sine2 ? 2 * KEYS + quarter_of(sine2) : BUCKETS;
 }
 
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
   refine_buckets *q = &r->bad;
-  uint32_t c = q->head[b];
+  uint32_t c = q->used[b / 64] >> b % 64 & 1 ? q->head[b] : TET_NONE;
   if (c == TET_NONE || q->chunk[c].n == CHUNK) {
     uint32_t n = q->free_chunk;
     if (n != TET_NONE) {

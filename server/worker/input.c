@@ -81,7 +81,7 @@ void input_options(const tp_options *from, tet_options *ret_options) {
                                         [TP_VORONOI_FACTORS] = TET_VORONOI_FACTORS,
                                         [TP_VORONOI_DIAGRAM] = TET_VORONOI_DIAGRAM};
   static const tet_insertion orders[] = {
-      [TP_INSERT_O1] = TET_INSERT_O1, [TP_INSERT_O2] = TET_INSERT_O2, [TP_INSERT_O3] = TET_INSERT_O3,
+      [TP_INSERT_O2_O1] = TET_INSERT_O2_O1, [TP_INSERT_O1] = TET_INSERT_O1, [TP_INSERT_O2] = TET_INSERT_O2, [TP_INSERT_O3] = TET_INSERT_O3,
       [TP_INSERT_O4] = TET_INSERT_O4, [TP_INSERT_O5] = TET_INSERT_O5,
       [TP_INSERT_RELATIVELY_SHORT] = TET_INSERT_RELATIVELY_SHORT};
   tet_options_default(ret_options);

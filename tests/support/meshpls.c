@@ -4,7 +4,7 @@
  *   meshpls INPUT(.node .poly .smesh .off) [PREFIX] [--stage delaunay|cdt|refine]
  *     [--radius-edge R] [--max-volume V] [--min-dihedral D] [--memory BYTES]
  *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--keep-hull] [--hilbert]
- *     [--order O1|O2|O3|O4|O5|relatively_short]
+ *     [--order O2_O1|O1|O2|O3|O4|O5|relatively_short]
  *
  * Writes PREFIX.node, .ele, .face and .edge, and one line of JSON on the standard
  * output. A developer's tool: files are believed, and people use tetractl. Exit status:
@@ -330,6 +330,8 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)r->peak_bytes);
   printf(",\"steiner\":%llu,\"cavities\":%llu,\"flips\":%llu,\"moves\":%llu", (unsigned long long)c->segment_steiner_points,
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
+  printf(",\"refined\":[%llu,%llu,%llu]", (unsigned long long)c->refine_segment_points,
+         (unsigned long long)c->refine_facet_points, (unsigned long long)c->refine_volume_points);
   printf(",\"slivers\":%u,\"first_slivers\":%llu,\"sliver_points\":%llu", m->n_slivers,
          (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points);
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
@@ -362,11 +364,11 @@ static tet_stage stage_of(const char *name) {
 }
 
 static tet_insertion order_of(const char *name) {
-  static const char *const names[] = {"O1", "O2", "O3", "O4", "O5", "relatively_short"};
-  for (int i = 0; i < 6; i++)
-    if (strcmp(name, names[i]) == 0) return (tet_insertion)(TET_INSERT_O1 + i);
+  static const char *const names[] = {"O2_O1", "O1", "O2", "O3", "O4", "O5", "relatively_short"};
+  for (int i = 0; i < 7; i++)
+    if (strcmp(name, names[i]) == 0) return (tet_insertion)i;
   die("no such order:", name);
-  return TET_INSERT_O2;
+  return TET_INSERT_O2_O1;
 }
 
 /* Takes one option that needs a value; 0 if `name` is none. */

@@ -30,8 +30,9 @@ typedef enum tet_point_order {
 } tet_point_order;
 
 /* Which of the tetrahedra over the radius-edge bound is split next (3.3.5, Table 3.2; 3.3.6). Lengths
- * and ratios whose squares agree in their power of two and its quarter are alike, the newest first. */
+ * and ratios whose squares differ by less than a 32nd are alike, the newest first. */
 typedef enum tet_insertion {
+  TET_INSERT_O2_O1 = 0, /* of the shortest edge, by quarters of powers of two of its square; of those, as O1 */
   TET_INSERT_O1 = 1, /* of the largest radius-edge ratio */
   TET_INSERT_O2 = 2, /* of the shortest edge */
   TET_INSERT_O3 = 3, /* of the smallest circumradius */
@@ -55,7 +56,7 @@ typedef struct tet_options {
   double max_volume;           /* of every tetrahedron; 0: none */
   double min_dihedral;         /* degrees, up to TET_MOST_DIHEDRAL: tetrahedra with a smaller dihedral angle are
                                   slivers, which refinement removes (3.4.2); 0: none are; default 5 */
-  tet_insertion order;         /* of insertion; default O2 */
+  tet_insertion order;         /* of insertion; default O2_O1 */
   int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
   int neighbours;              /* deliver the neighbours array */

@@ -23,7 +23,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_true(options.radius_edge == 2.0);
     assert_true(options.max_volume == 0.0);
     assert_true(options.min_dihedral == 5.0);
-    assert_int_equal(options.order, TP_INSERT_O2);
+    assert_int_equal(options.order, TP_INSERT_O2_O1);
     assert_false(options.keep_hull);
     assert_int_equal(options.voronoi, TP_VORONOI_NONE);
     assert_int_equal(options.point_order, TP_ORDER_HILBERT);
@@ -108,11 +108,11 @@ static void what_is_written_is_read(void **state) {
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
               read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
-  for (int order = TP_INSERT_O1; order <= TP_INSERT_RELATIVELY_SHORT; order++) {
+  for (int order = TP_INSERT_O2_O1; order <= TP_INSERT_RELATIVELY_SHORT; order++) {
     tp_options_default(&read);
     read.order = (tp_insertion)order;
     json = tp_options_json(&read);
-    assert_int_equal(json_object_size(json), order != TP_INSERT_O2);
+    assert_int_equal(json_object_size(json), order != TP_INSERT_O2_O1);
     assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
     json_decref(json);
     assert_int_equal(read.order, order);

@@ -71,7 +71,7 @@ typedef struct tetrad_options {
     double max_volume;          /* > 0 */
     double min_dihedral;        /* degrees, up to 30: below it are slivers, which are removed */
     int bound_only;             /* slivers stay; not with min_dihedral */
-    const char *order;          /* of insertion: "O1" to "O5", "relatively_short"; NULL: "O2" */
+    const char *order;          /* of insertion: "O2_O1" (default), "O1" to "O5", "relatively_short" */
     int keep_hull;              /* keep the convex hull */
     double planarity_tolerance; /* length */
     int neighbours;             /* deliver the array `neighbours` */

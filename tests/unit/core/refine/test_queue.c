@@ -3,7 +3,6 @@
 #include "refine/refiner.h"
 #include "solids.h"
 
-#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -94,6 +93,7 @@ static void each_order_sorts_by_its_own_measure(void **state) {
   (void)state;
   static const struct { tet_insertion order; int descends; } sorted[] = {
       {TET_INSERT_O1, 1}, {TET_INSERT_O2, 0}, {TET_INSERT_O3, 0}, {TET_INSERT_O4, 1}};
+  static const double alike = 1 + 1.0 / 64; /* within a 32nd of a power of two, of squares */
   uint32_t tet[MOST];
   refine_shape shape[MOST];
   for (size_t i = 0; i < sizeof sorted / sizeof *sorted; i++) {
@@ -102,13 +102,38 @@ static void each_order_sorts_by_its_own_measure(void **state) {
     double furthest = sorted[i].descends ? INFINITY : 0;
     for (uint32_t k = 0; k < n; k++) {
       double x = value(sorted[i].order, &shape[k]);
-      /* those alike are within a quarter of a power of two, of squares */
-      if (sorted[i].descends) assert_true(x <= furthest * sqrt(1.25) * (1 + 4 * DBL_EPSILON));
-      else assert_true(x * sqrt(1.25) * (1 + 4 * DBL_EPSILON) >= furthest);
+      if (sorted[i].descends) assert_true(x <= furthest * alike);
+      else assert_true(x * alike >= furthest);
       furthest = sorted[i].descends ? fmin(furthest, x) : fmax(furthest, x);
     }
     end(f);
   }
+}
+
+/* The number of quarters of powers of two below x. */
+static int quarters(double x) {
+  int power;
+  double part = frexp(x, &power);
+  return 4 * power + (int)floor(8 * part - 4);
+}
+
+static void the_usual_order_sorts_by_lengths_then_ratios(void **state) {
+  (void)state;
+  uint32_t tet[MOST], changes = 0;
+  refine_shape shape[MOST];
+  fixture *f = start(TET_INSERT_O2_O1);
+  uint32_t n = drain(&f->r, tet, shape);
+  for (uint32_t k = 1; k < n; k++) {
+    int before = quarters(shape[k - 1].shortest2), now = quarters(shape[k].shortest2);
+    assert_true(now >= before);
+    changes += now > before;
+    if (now > before) continue;
+    double bound = f->r.o.radius_edge;
+    double x = refine_radius_edge(&shape[k - 1]) / bound, y = refine_radius_edge(&shape[k]) / bound;
+    if (y < 1.8) assert_true(y * y <= x * x * 1.2500001); /* beyond, all are alike */
+  }
+  assert_true(changes > 5 && changes < n / 3);
+  end(f);
 }
 
 static void random_is_sorted_by_none(void **state) {
@@ -165,6 +190,7 @@ static void a_rounds_edges_wait_for_those_of_the_round_before(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(each_order_sorts_by_its_own_measure),
+                                     cmocka_unit_test(the_usual_order_sorts_by_lengths_then_ratios),
                                      cmocka_unit_test(random_is_sorted_by_none),
                                      cmocka_unit_test(a_rounds_edges_wait_for_those_of_the_round_before)};
   return cmocka_run_group_tests(tests, NULL, NULL);

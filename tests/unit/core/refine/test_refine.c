@@ -145,7 +145,7 @@ static void nonsense_is_refused(void **state) {
   o.max_volume = -1;
   assert_int_equal(tet_refine(ctx, &none, &o, &r), TET_E_ARGUMENT);
   tet_refine_options_default(&o);
-  o.order = 0;
+  o.order = TET_INSERT_RELATIVELY_SHORT + 1;
   assert_int_equal(tet_refine(ctx, &none, &o, &r), TET_E_ARGUMENT);
   tet_ctx_free(ctx);
 }
