@@ -9,6 +9,7 @@
 #include "dual/dual.h"
 #include "engine/check.h"
 #include "engine/exceptions.h"
+#include "engine/hull.h"
 #include "engine/order.h"
 #include "engine/pack.h"
 #include "refine/refine.h"
@@ -127,11 +128,23 @@ static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *optio
   return status;
 }
 
+/* The same for points without facets, whose convex hull is refined. */
+static tet_status run_cloud(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
+  tet_pls closed;
+  uint32_t *triangles = NULL, *starts = NULL;
+  tet_status status = tet_close_by_hull(ctx, pls, options->threads, &closed, &triangles, &starts);
+  if (status == TET_OK) status = run(ctx, &closed, options, ret_mesh);
+  tet_free(ctx, triangles);
+  tet_free(ctx, starts);
+  return status;
+}
+
 tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
   tet_stages_clear(ctx);
   tet_status status = tet_check_options(ctx, options);
   if (status == TET_OK) status = tet_check_arrays(ctx, pls);
-  if (status == TET_OK) status = run(ctx, pls, options, ret_mesh);
+  int is_cloud = options->stage == TET_STAGE_REFINE && status == TET_OK && !pls->n_facets;
+  if (status == TET_OK) status = is_cloud ? run_cloud(ctx, pls, options, ret_mesh) : run(ctx, pls, options, ret_mesh);
   tet_stage_end(ctx);
   return status;
 }

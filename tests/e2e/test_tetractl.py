@@ -514,6 +514,27 @@ def test_wrong_insertion_orders_end_with_2(tmp_path, cube, wrong, told):
     assert only(tmp_path, "cube.off")
 
 
+def test_a_point_cloud_is_refined(tmp_path):
+    row = "{} {} {} {}".format
+    cloud = [row(i, i & 1, i >> 1 & 1, i >> 2) for i in range(8)]  # a cube, and two clusters in it
+    cloud += [row(8 + i, .3 + .01 * (i % 3), .4 + .011 * (i % 5), .4 + .012 * (i % 7)) for i in range(60)]
+    (tmp_path / "cloud.node").write_text("\n".join([f"{len(cloud)} 3 0 0", *cloud, ""]), encoding="ascii")
+    out, report = tmp_path / "out.node", tmp_path / "report.json"
+    done = tetractl("mesh", tmp_path / "cloud.node", "-o", out, "--report", report)
+    assert done.returncode == 0, done.stderr
+    assert "boundary conforming Delaunay" in done.stdout
+    said = json.loads(report.read_text(encoding="utf-8"))
+    assert said["audit"]["passed"] and said["exceptions"]["count"] == 0
+    assert said["quality"]["radius_edge"]["max"] < 2.0000001
+    assert said["quality"]["volume"] == pytest.approx(1)
+    assert [r[:4] for r in rows(out)[1:69]] == [[f"{float(x):.17g}" for x in r.split()] for r in cloud]
+    surface = numbers(out.with_suffix(".face"))
+    points = [tuple(map(float, p[:3])) for p in numbers(out)]
+    for corners in surface:
+        corners = [points[int(v)] for v in corners[:3]]
+        assert any(len({c[k] for c in corners}) == 1 and corners[0][k] in (0, 1) for k in range(3))
+
+
 def test_progress_is_drawn_on_a_terminal_alone(tmp_path, cube):
     try:
         master, slave = pty.openpty()

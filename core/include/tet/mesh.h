@@ -145,7 +145,7 @@ typedef struct tet_mesh {
 
   uint32_t n_subfaces;
   uint32_t *subfaces;        /* [n][3] */
-  uint32_t *subface_facets;  /* [n] input facet */
+  uint32_t *subface_facets;  /* [n] input facet; of a system without facets, triangle of its hull */
   int32_t *subface_markers;  /* [n] */
 
   uint32_t n_subsegments;
