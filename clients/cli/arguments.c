@@ -60,7 +60,7 @@ static const struct {
 } options[] = {
     {"stage", 1, OPTION_STAGE, GROUP_JOB, "STAGE   delaunay, cdt or refine (default)"},
     {"radius-edge", 1, OPTION_RADIUS_EDGE, GROUP_JOB,
-     "R       bound of circumradius to shortest edge, >= 1 (2.0)"},
+     "R       bound of circumradius to shortest edge, >= 1, guaranteed from 1.414 on (2.0)"},
     {"max-volume", 1, OPTION_MAX_VOLUME, GROUP_JOB, "V       largest volume of a tetrahedron"},
     {"min-dihedral", 1, OPTION_MIN_DIHEDRAL, GROUP_JOB,
      "D       degrees, up to 30: smaller dihedral angles are removed where they can be (5)"},

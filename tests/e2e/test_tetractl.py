@@ -514,6 +514,23 @@ def test_wrong_insertion_orders_end_with_2(tmp_path, cube, wrong, told):
     assert only(tmp_path, "cube.off")
 
 
+@pytest.mark.parametrize("bound, proven", [("1", False), ("1.4139", False), ("1.414", True), ("2", True)])
+def test_bounds_below_the_root_of_2_come_without_a_guarantee(tmp_path, cube, bound, proven):
+    report = tmp_path / "report.json"
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", "--report", report, "--radius-edge", bound)
+    assert done.returncode == 0, done.stderr
+    assert ("no guarantee" in done.stdout) == (not proven), done.stdout
+    promised = json.loads(report.read_text(encoding="utf-8"))["promised"]
+    assert promised["radius_edge"] == float(bound) and promised["radius_edge_proven"] is proven
+
+
+@pytest.mark.parametrize("bound", ["0.999", "0", "-2", "nan", "two"])
+def test_bounds_below_1_are_refused(tmp_path, cube, bound):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", "--radius-edge", bound)
+    assert done.returncode == 2 and "--radius-edge" in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
+
+
 def test_a_point_cloud_is_refined(tmp_path):
     row = "{} {} {} {}".format
     cloud = [row(i, i & 1, i >> 1 & 1, i >> 2) for i in range(8)]  # a cube, and two clusters in it

@@ -52,7 +52,7 @@ enum { TET_MAX_THREADS = 31, TET_MOST_DIHEDRAL = 30 };
 
 typedef struct tet_options {
   tet_stage stage;
-  double radius_edge;          /* bound rho_0; >= 1; default 2.0 */
+  double radius_edge;          /* bound rho_0; >= 1, below sqrt(2) without a guarantee; default 2.0 */
   double max_volume;           /* of every tetrahedron; 0: none */
   double min_dihedral;         /* degrees, up to TET_MOST_DIHEDRAL: tetrahedra with a smaller dihedral angle are
                                   slivers, which refinement removes (3.4.2); 0: none are; default 5 */
