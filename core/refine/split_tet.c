@@ -111,6 +111,27 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
+/* *ret = 1 where segments meet below 60 degrees and circumcentre x hits something: that is split first then,
+ * as off-centres would leave more tetrahedra over the bound. */
+static tet_status centre_first(refiner *r, uint32_t t, const double x[3], int *ret) {
+  const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
+  int acute = 0;
+  *ret = 0;
+  for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && r->acute_end[corner[i]];
+  if (!acute) return TET_OK;
+  tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
+  if (status) return status;
+  if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) > 0) {
+    status = refine_cavity_of_tet(r, r->points.n - 1, t);
+    if (!status) status = refine_collect_hits(r, 1);
+    if (status) return status;
+    *ret = r->hit_segs.n || r->hit_subs.n;
+    refine_cavity_clear(r);
+  }
+  refine_drop_point(r);
+  return TET_OK;
+}
+
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret) {
   uint32_t old[4];
   double centre[3], x[3];
@@ -120,7 +141,9 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
   refine_pick(r, shape->shortest2, centre);
   tet_status status = TET_OK;
   *ret = OUTCOME_REJECTED;
-  if (off_centre(r, t, centre, x)) status = try_point(r, t, x, 0, ret);
+  int is_off = off_centre(r, t, centre, x), last = 0;
+  if (is_off) status = centre_first(r, t, centre, &last);
+  if (!status && is_off && !last) status = try_point(r, t, x, 0, ret);
   uint64_t noise = r->result.rejected.outside;
   if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
   if (!status && noise != r->result.rejected.outside) {
@@ -128,6 +151,8 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
     refine_pick(r, shape->shortest2, x);
     status = try_point(r, t, x, 1, ret);
   }
+  if (!status && *ret == OUTCOME_REJECTED && last && off_centre(r, t, centre, x))
+    status = try_point(r, t, x, 0, ret);
   r->picking = 0;
   if (status || *ret != OUTCOME_INSERTED) return status;
   return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;
