@@ -8,6 +8,7 @@
 
 static const char *const stage_names[] = {"delaunay", "cdt", "refine"};
 static const char *const order_names[] = {"input_first", "hilbert"};
+static const char *const insertion_names[] = {"O2_O1", "O1", "O2", "O3", "O4", "O5", "relatively_short"};
 static const char *const voronoi_names[] = {NULL, "factors", "diagram"}; /* none: absent */
 
 const char *tp_stage_name(tp_stage stage) { return stage_names[stage]; }
@@ -29,8 +30,8 @@ bool tp_stage_of(const char *name, tp_stage *ret_stage) {
 
 void tp_options_default(tp_options *ret_options) {
   *ret_options = (tp_options){
-      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5.0, .point_order = TP_ORDER_HILBERT,
-      .threads = 1};
+      .stage = TP_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5.0, .order = TP_INSERT_O2_O1,
+      .point_order = TP_ORDER_HILBERT, .threads = 1};
 }
 
 static tp_code refuse(tp_error *error, const char *name, const char *wanted) {
@@ -76,6 +77,12 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
     const int place = place_of(order_names, 2, text);
     if (place < 0) return refuse(error, name, "is none of hilbert, input_first");
     options->point_order = (tp_point_order)place;
+    return TP_OK;
+  }
+  if (strcmp(name, "order") == 0) {
+    const int place = place_of(insertion_names, 7, text);
+    if (place < 0) return refuse(error, name, "is none of O2_O1, O1, O2, O3, O4, O5, relatively_short");
+    options->order = (tp_insertion)place;
     return TP_OK;
   }
   if (strcmp(name, "voronoi") == 0) {
@@ -124,7 +131,7 @@ tp_code tp_options_parse(const json_t *json, tp_options *ret_options, tp_error *
         read_option(json_object_iter_key(at), json_object_iter_value(at), &options, error);
     if (code != TP_OK) return code;
   }
-  static const char *const of_refine[] = {"radius_edge", "max_volume", "min_dihedral", "merge_angle"};
+  static const char *const of_refine[] = {"radius_edge", "max_volume", "min_dihedral", "order", "merge_angle"};
   for (size_t i = 0; i < sizeof of_refine / sizeof *of_refine && options.stage != TP_STAGE_REFINE; i++) {
     if (json_object_get(json, of_refine[i]) != NULL)
       return refuse(error, of_refine[i], "acts only in the stage refine");
@@ -148,6 +155,8 @@ json_t *tp_options_json(const tp_options *options) {
     failed |= json_object_set_new(json, "max_volume", json_real(options->max_volume));
   if (options->min_dihedral != usual.min_dihedral)
     failed |= json_object_set_new(json, "min_dihedral", json_real(options->min_dihedral));
+  if (options->order != usual.order)
+    failed |= json_object_set_new(json, "order", json_string(insertion_names[options->order]));
   if (options->keep_hull) failed |= json_object_set_new(json, "keep_hull", json_true());
   if (options->planarity_tolerance != 0.0)
     failed |= json_object_set_new(json, "planarity_tolerance",

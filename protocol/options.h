@@ -21,6 +21,16 @@ typedef enum tp_point_order { TP_ORDER_INPUT_FIRST = 0, TP_ORDER_HILBERT } tp_po
 
 typedef enum tp_voronoi { TP_VORONOI_NONE = 0, TP_VORONOI_FACTORS, TP_VORONOI_DIAGRAM } tp_voronoi;
 
+typedef enum tp_insertion {
+  TP_INSERT_O2_O1 = 0,
+  TP_INSERT_O1,
+  TP_INSERT_O2,
+  TP_INSERT_O3,
+  TP_INSERT_O4,
+  TP_INSERT_O5,
+  TP_INSERT_RELATIVELY_SHORT
+} tp_insertion;
+
 enum { TP_MAX_THREADS = 31, TP_MOST_DIHEDRAL = 30, TP_MOST_MERGE_ANGLE = 45 };
 
 typedef struct tp_options {
@@ -28,6 +38,7 @@ typedef struct tp_options {
   double radius_edge;         /* >= 1; default 2.0; only of refine */
   double max_volume;          /* 0: none (default); only of refine */
   double min_dihedral;        /* degrees, 0 (slivers stay) to TP_MOST_DIHEDRAL; default 5; only of refine */
+  tp_insertion order;         /* default TP_INSERT_O2_O1; only of refine */
   bool keep_hull;
   double planarity_tolerance; /* >= 0; 0: the engine's default */
   double merge_angle;         /* degrees, 0 (default) to TP_MOST_MERGE_ANGLE; only of refine */

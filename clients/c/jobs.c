@@ -60,6 +60,9 @@ static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
     if (o->bound_only || o->min_dihedral != 0) {
         failed |= set_new(json, "min_dihedral", json_real(o->min_dihedral));
     }
+    if (o->order != NULL) {
+        failed |= set_new(json, "order", json_string(o->order));
+    }
     if (o->keep_hull) {
         failed |= set_new(json, "keep_hull", json_true());
     }

@@ -31,6 +31,7 @@ enum {
     OPTION_MAX_VOLUME,
     OPTION_MIN_DIHEDRAL,
     OPTION_BOUND_ONLY,
+    OPTION_ORDER,
     OPTION_KEEP_HULL,
     OPTION_PLANARITY,
     OPTION_MERGE_ANGLE,
@@ -60,12 +61,14 @@ static const struct {
 } options[] = {
     {"stage", 1, OPTION_STAGE, GROUP_JOB, "STAGE   delaunay, cdt or refine (default)"},
     {"radius-edge", 1, OPTION_RADIUS_EDGE, GROUP_JOB,
-     "R       bound of circumradius to shortest edge, >= 1 (2.0)"},
+     "R       bound of circumradius to shortest edge, >= 1, guaranteed from 1.414 on (2.0)"},
     {"max-volume", 1, OPTION_MAX_VOLUME, GROUP_JOB, "V       largest volume of a tetrahedron"},
     {"min-dihedral", 1, OPTION_MIN_DIHEDRAL, GROUP_JOB,
      "D       degrees, up to 30: smaller dihedral angles are removed where they can be (5)"},
     {"bound-only", 0, OPTION_BOUND_ONLY, GROUP_JOB,
      "        stop when the other bounds hold: small dihedral angles stay"},
+    {"order", 1, OPTION_ORDER, GROUP_JOB,
+     "ORDER   of insertion: O2_O1 (default), O1 to O5, or relatively_short"},
     {"keep-hull", 0, OPTION_KEEP_HULL, GROUP_JOB,
      "        keep the convex hull: outside and holes stay"},
     {"planarity-tolerance", 1, OPTION_PLANARITY, GROUP_JOB,
@@ -181,8 +184,9 @@ static bool read_count(const char *text, bool units, uint64_t low, uint64_t *ret
     return true;
 }
 
-static bool read_name(const char *text, const char *const names[3], const char **ret_name) {
-    for (int i = 0; i < 3; i++) {
+// One of the names, which NULL ends.
+static bool read_name(const char *text, const char *const *names, const char **ret_name) {
+    for (int i = 0; names[i] != NULL; i++) {
         if (strcmp(text, names[i]) == 0) {
             *ret_name = names[i];
             return true;
@@ -193,8 +197,10 @@ static bool read_name(const char *text, const char *const names[3], const char *
 
 // What to make. False: the value makes no sense.
 static bool apply_job_option(arguments *args, int option, const char *value) {
-    static const char *const stages[3] = {"delaunay", "cdt", "refine"};
-    static const char *const codecs[3] = {"raw", "zlib", "mesh"};
+    static const char *const stages[] = {"delaunay", "cdt", "refine", NULL};
+    static const char *const codecs[] = {"raw", "zlib", "mesh", NULL};
+    static const char *const orders[] = {"O2_O1", "O1", "O2", "O3", "O4", "O5",
+                                         "relatively_short", NULL};
     tetrad_options *o = &args->options;
     double real;
     char *end;
@@ -204,6 +210,7 @@ static bool apply_job_option(arguments *args, int option, const char *value) {
     case OPTION_RADIUS_EDGE: return read_real(value, 1, &o->radius_edge);
     case OPTION_MAX_VOLUME: return read_positive(value, &o->max_volume);
     case OPTION_MIN_DIHEDRAL: return read_positive(value, &o->min_dihedral);
+    case OPTION_ORDER: return read_name(value, orders, &o->order);
     case OPTION_BOUND_ONLY: o->bound_only = 1; return true;
     case OPTION_PLANARITY: return read_real(value, 0, &o->planarity_tolerance);
     case OPTION_MERGE_ANGLE: return read_positive(value, &o->merge_angle);
@@ -281,9 +288,9 @@ static int check_together(const command *which, const arguments *args) {
     }
     if (stage != NULL && strcmp(stage, "refine") != 0 &&
         (o->radius_edge != 0 || o->max_volume != 0 || o->min_dihedral != 0 || o->bound_only ||
-         o->merge_angle != 0)) {
-        return usage_error(which, "--radius-edge, --max-volume, --min-dihedral, --bound-only and "
-                                  "--merge-angle belong to --stage refine");
+         o->merge_angle != 0 || o->order != NULL)) {
+        return usage_error(which, "--radius-edge, --max-volume, --min-dihedral, --bound-only, --merge-angle "
+                                  "and --order belong to --stage refine");
     }
     if (o->bound_only && o->min_dihedral != 0) {
         return usage_error(which, "--bound-only lets slivers stay: not with --min-dihedral");

@@ -152,7 +152,10 @@ void show_summary(const json_t *report, const char *output) {
            seconds);
     printf("  radius-edge   worst %.4g", number_at(quality, "radius_edge", "max"));
     if (bound > 0) {
-        printf(", bound %.4g, exceptions %" JSON_INTEGER_FORMAT, bound,
+        printf(", bound %.4g%s, exceptions %" JSON_INTEGER_FORMAT, bound,
+               json_is_false(json_object_get(promised, "radius_edge_proven"))
+                   ? " (below 1.414: no guarantee)"
+                   : "",
                count_at(report, "exceptions", "count"));
     }
     printf("\n  dihedral      %.4g to %.4g degrees", number_at(quality, "dihedral_min", "min"),

@@ -18,6 +18,8 @@ tet_status tet_check_options(tet_ctx *ctx, const tet_options *o) {
   if (!(o->min_dihedral >= 0 && o->min_dihedral <= TET_MOST_DIHEDRAL))
     return tet_fail(ctx, TET_E_ARGUMENT, "a smallest dihedral angle of %g degrees: it must be from 0, for none, to %d",
                     o->min_dihedral, TET_MOST_DIHEDRAL);
+  if ((int)o->order < TET_INSERT_O2_O1 || o->order > TET_INSERT_RELATIVELY_SHORT)
+    return tet_fail(ctx, TET_E_ARGUMENT, "there is no insertion order %d", (int)o->order);
   if (!(o->planarity_tolerance >= 0) || !isfinite(o->planarity_tolerance))
     return tet_fail(ctx, TET_E_ARGUMENT, "a planarity tolerance of %g: it must be positive, or 0 for the default",
                     o->planarity_tolerance);

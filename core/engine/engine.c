@@ -9,6 +9,7 @@
 #include "dual/dual.h"
 #include "engine/check.h"
 #include "engine/exceptions.h"
+#include "engine/hull.h"
 #include "engine/order.h"
 #include "engine/pack.h"
 #include "refine/refine.h"
@@ -16,7 +17,7 @@
 #include <string.h>
 
 void tet_options_default(tet_options *options) {
-  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5,
+  *options = (tet_options){.stage = TET_STAGE_REFINE, .radius_edge = 2.0, .min_dihedral = 5, .order = TET_INSERT_O2_O1,
                            .point_order = TET_ORDER_INPUT_FIRST,
                            .threads = 1};
 }
@@ -26,6 +27,7 @@ static tet_status refine(tet_ctx *ctx, const tet_options *options, tet_build_res
   tet_refine_options_default(&how);
   how.radius_edge = options->radius_edge;
   how.max_volume = options->max_volume;
+  how.order = options->order;
   how.min_dihedral = options->min_dihedral;
   tet_stage_begin(ctx, "refine");
   tet_status status = tet_refine(ctx, &built->pieces, &how, ret);
@@ -45,6 +47,7 @@ static tet_promise promise(const tet_options *options, const tet_build_result *b
     p.gabriel = refined->gabriel;
     p.delaunay = refined->gabriel && refined->constrained_delaunay; /* Gabriel faces are Delaunay */
     p.radius_edge = options->radius_edge;
+    p.radius_edge_proven = options->radius_edge >= 1.414;
     p.max_volume = options->max_volume;
     p.min_dihedral = options->min_dihedral;
     p.region_volumes = 1;
@@ -129,11 +132,23 @@ static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *optio
   return status;
 }
 
+/* The same for points without facets, whose convex hull is refined. */
+static tet_status run_cloud(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
+  tet_pls closed;
+  uint32_t *triangles = NULL, *starts = NULL;
+  tet_status status = tet_close_by_hull(ctx, pls, options->threads, &closed, &triangles, &starts);
+  if (status == TET_OK) status = run(ctx, &closed, options, ret_mesh);
+  tet_free(ctx, triangles);
+  tet_free(ctx, starts);
+  return status;
+}
+
 tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
   tet_stages_clear(ctx);
   tet_status status = tet_check_options(ctx, options);
   if (status == TET_OK) status = tet_check_arrays(ctx, pls);
-  if (status == TET_OK) status = run(ctx, pls, options, ret_mesh);
+  int is_cloud = options->stage == TET_STAGE_REFINE && status == TET_OK && !pls->n_facets;
+  if (status == TET_OK) status = is_cloud ? run_cloud(ctx, pls, options, ret_mesh) : run(ctx, pls, options, ret_mesh);
   tet_stage_end(ctx);
   return status;
 }

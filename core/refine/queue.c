@@ -3,6 +3,9 @@
  * served, by their vertices, for slots are used again; tetrahedra by key. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
+#include <math.h>
 #include <string.h>
 
 tet_status refine_queue_seg(refiner *r, uint32_t e) {
@@ -53,33 +56,93 @@ tet_status refine_open_queue(refiner *r) {
   q->head = tet_alloc(r->ctx, BUCKETS, sizeof *q->head);
   q->used = tet_calloc(r->ctx, BUCKETS / 64, sizeof *q->used);
   if (!q->head || !q->used) return TET_E_MEMORY;
-  for (int b = 0; b < BUCKETS; b++) q->head[b] = TET_NONE;
   q->free_chunk = TET_NONE;
-  return TET_OK;
+  if (r->o.order != TET_INSERT_RELATIVELY_SHORT) return TET_OK;
+  r->round_start = tet_alloc(r->ctx, KEYS, sizeof *r->round_start);
+  return r->round_start ? TET_OK : TET_E_MEMORY;
 }
 
-/* The bucket of t if it is over a bound, else BUCKETS. Order O2 (Table 3.2): short edges first,
- * keys within a quarter of their power of two being alike; over the volume alone, as R3.2 waits
- * for R3.1: large ones first, by powers of two, which keeps what is split next close by. Slivers
- * (3.4.2) come last, the sharpest first. */
-static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
+/* Positive x by its power of two and the 32nds of that, ascending. */
+static inline uint32_t key_of(double x) {
   uint64_t bits;
-  refine_measure(r, t, ret_shape);
-  int over_ratio = refine_over_ratio(r, ret_shape);
-  if (over_ratio || refine_over_volume(r, t, ret_shape)) {
-    memcpy(&bits, over_ratio ? &ret_shape->shortest2 : &ret_shape->volume6, sizeof bits);
-    return over_ratio ? (uint32_t)(bits >> 50) : 2 * KEYS - 1 - (uint32_t)(bits >> 52 << 2);
+  memcpy(&bits, &x, sizeof bits);
+  return (uint32_t)(bits >> (52 - FINE));
+}
+
+/* The same by quarters. */
+static inline uint32_t quarter_of(double x) { return key_of(x) & ~(uint32_t)(QUARTER - 1); }
+
+/* Short edges first, by quarters, and of those large ratios, by quarters from the bound on. */
+static inline uint32_t usual_key(const refiner *r, const refine_shape *s) {
+  double reach = 2 * s->volume6 * r->o.radius_edge, over = tet_square(s->to_centre) / (reach * reach * s->shortest2);
+  uint32_t class = over < 4 ? (key_of(over) - key_of(1)) / QUARTER : QUARTER - 1;
+  return quarter_of(s->shortest2) | (QUARTER - 1 - (over < 1 ? 0 : class));
+}
+
+/* The round that an edge's younger end came before (see TET_INSERT_RELATIVELY_SHORT). */
+static uint32_t round_of(const refiner *r, uint32_t t) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  double least = INFINITY;
+  uint32_t young = 0, low = 0, high = r->n_rounds;
+  for (int e = 0; e < 6; e++) {
+    uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
+    double d[3];
+    tet_minus(refine_x(r, a), refine_x(r, b), d);
+    if (!(tet_square(d) < least)) continue;
+    least = tet_square(d);
+    young = a > b ? a : b;
   }
+  while (low < high) { /* how many rounds had begun when it came */
+    uint32_t middle = (low + high) / 2;
+    if (r->round_start[middle] <= young) low = middle + 1;
+    else high = middle;
+  }
+  return low < KEYS ? low : KEYS - 1;
+}
+
+/* A random key of t, the same as long as it lives. */
+static uint32_t random_key(const refiner *r, uint32_t t) {
+  uint64_t h = 0;
+  for (int i = 0; i < 4; i++) {
+    h = (h ^ r->mesh.v[4 * (size_t)t + i]) * 0x9e3779b97f4a7c15u;
+    h ^= h >> 32;
+  }
+  return (uint32_t)(h % KEYS);
+}
+
+/* The key among tetrahedra over the radius-edge bound, least first (3.3.5, Table 3.2; 3.3.6). */
+static uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
+  double x = INFINITY; /* of a tetrahedron that is flat, or whose measures overflow */
+  if (s->volume6 > 0) x = tet_square(s->to_centre) / (4 * s->volume6 * s->volume6);
+  if (r->o.order == TET_INSERT_O1) x /= s->shortest2;
+  if (!(x < INFINITY)) x = INFINITY;
+  switch (r->o.order) {
+  case TET_INSERT_O3: return key_of(x);
+  case TET_INSERT_O1:
+  case TET_INSERT_O4: return KEYS - 1 - key_of(x);
+  case TET_INSERT_O5: return random_key(r, t);
+  case TET_INSERT_RELATIVELY_SHORT: return round_of(r, t);
+  case TET_INSERT_O2: return key_of(s->shortest2);
+  default: return usual_key(r, s);
+  }
+}
+
+/* The bucket of t if it is over a bound, else BUCKETS: over the ratio, by the order; over the volume
+ * alone, as R3.2 waits for R3.1: large ones first, by powers of two, which keeps what is split next
+ * close by. Slivers (3.4.2) come last, the sharpest first. */
+static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
+  refine_measure(r, t, ret_shape);
+  if (refine_over_ratio(r, ret_shape))
+    return r->o.order == TET_INSERT_O2_O1 ? usual_key(r, ret_shape) : ratio_key(r, t, ret_shape);
+  if (refine_over_volume(r, t, ret_shape)) return 2 * KEYS - 1 - (key_of(ret_shape->volume6) >> FINE << FINE);
   if (!r->watch_slivers) return BUCKETS;
   double sine2 = 1 - refine_sharpest(r, t);
-  if (!(sine2 < r->sliver_sine2)) return BUCKETS;
-  memcpy(&bits, &sine2, sizeof bits);
-  return 2 * KEYS + (uint32_t)(bits >> 50);
+  return sine2 < r->sliver_sine2 ? 2 * KEYS + quarter_of(sine2) : BUCKETS;
 }
 
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
   refine_buckets *q = &r->bad;
-  uint32_t c = q->head[b];
+  uint32_t c = q->used[b / 64] >> b % 64 & 1 ? q->head[b] : TET_NONE;
   if (c == TET_NONE || q->chunk[c].n == CHUNK) {
     uint32_t n = q->free_chunk;
     if (n != TET_NONE) {
@@ -130,6 +193,7 @@ int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int 
   uint32_t b, t;
   while (pop(&r->bad, &b, &t)) {
     if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t, ret_shape) != b) continue;
+    if (r->round_start && b == r->n_rounds) r->round_start[r->n_rounds++] = r->points.n;
     *ret_tet = t;
     *ret_sliver = b >= 2 * KEYS;
     return 1;

@@ -7,7 +7,7 @@
 #include <math.h>
 
 void tet_refine_options_default(tet_refine_options *options) {
-  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .min_dihedral = 0,
+  *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .order = TET_INSERT_O2_O1, .min_dihedral = 0,
                                   .sliver_points = 5, .alpha2 = 0.3, .wedge = 100, .thin = 0.1, .thin_points = 4,
                                   .crowd = 0.4, .crowd_facets = 0.3, .floor = 1e-4};
 }
@@ -140,6 +140,8 @@ tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options
       !(options->min_dihedral >= 0 && options->min_dihedral <= TET_REFINE_MOST_DIHEDRAL))
     return tet_fail(ctx, TET_E_ARGUMENT, "a radius-edge bound of %g, a volume bound of %g, a dihedral bound of %g",
                     options->radius_edge, options->max_volume, options->min_dihedral);
+  if ((int)options->order < TET_INSERT_O2_O1 || options->order > TET_INSERT_RELATIVELY_SHORT)
+    return tet_fail(ctx, TET_E_ARGUMENT, "there is no insertion order %d", (int)options->order);
   refiner r = {.ctx = ctx, .o = *options, .out = pieces};
   tet_status status = refine_load(&r);
   if (!status) status = refine_open_queue(&r);

@@ -11,11 +11,14 @@
 #include "base/context.h"
 #include "mesh/pieces.h"
 
+#include <tet/engine.h>
+
 enum { TET_REFINE_MOST_DIHEDRAL = 30 }; /* degrees */
 
 typedef struct tet_refine_options {
   double radius_edge; /* bound rho_0, >= 1 */
   double max_volume;  /* of every tetrahedron; 0: none. Regions: pieces->region_max_volume */
+  tet_insertion order; /* of what is over the radius-edge bound */
   double min_dihedral; /* degrees, to 30; with a dihedral angle below it a tetrahedron is a sliver; 0: none is */
   double sliver_points; /* slivers are given up when their removal has inserted so many vertices
                            for each that there was, and 250 */

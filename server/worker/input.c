@@ -80,11 +80,16 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   static const tet_voronoi voronoi[] = {[TP_VORONOI_NONE] = TET_VORONOI_NONE,
                                         [TP_VORONOI_FACTORS] = TET_VORONOI_FACTORS,
                                         [TP_VORONOI_DIAGRAM] = TET_VORONOI_DIAGRAM};
+  static const tet_insertion orders[] = {
+      [TP_INSERT_O2_O1] = TET_INSERT_O2_O1, [TP_INSERT_O1] = TET_INSERT_O1, [TP_INSERT_O2] = TET_INSERT_O2, [TP_INSERT_O3] = TET_INSERT_O3,
+      [TP_INSERT_O4] = TET_INSERT_O4, [TP_INSERT_O5] = TET_INSERT_O5,
+      [TP_INSERT_RELATIVELY_SHORT] = TET_INSERT_RELATIVELY_SHORT};
   tet_options_default(ret_options);
   ret_options->stage = stages[from->stage];
   ret_options->radius_edge = from->radius_edge;
   ret_options->max_volume = from->max_volume;
   ret_options->min_dihedral = from->min_dihedral;
+  ret_options->order = orders[from->order];
   ret_options->keep_hull = from->keep_hull;
   ret_options->planarity_tolerance = from->planarity_tolerance;
   ret_options->merge_angle = from->merge_angle;

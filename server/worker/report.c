@@ -78,7 +78,10 @@ static json_t *promised_json(const tet_promise *p) {
   json_t *o = json_pack("{s:b, s:b, s:b, s:b, s:b, s:b, s:o}", "delaunay", p->delaunay, "constrained_delaunay",
                         p->constrained_delaunay, "gabriel", p->gabriel, "covered", p->covered, "convex", p->convex,
                         "region_volumes", p->region_volumes, "planarity", number(p->planarity));
-  if (p->radius_edge > 0.0) json_object_set_new(o, "radius_edge", number(p->radius_edge));
+  if (p->radius_edge > 0.0) {
+    json_object_set_new(o, "radius_edge", number(p->radius_edge));
+    json_object_set_new(o, "radius_edge_proven", json_boolean(p->radius_edge_proven));
+  }
   if (p->max_volume > 0.0) json_object_set_new(o, "max_volume", number(p->max_volume));
   if (p->merge_angle > 0.0) {
     json_object_set_new(o, "merge_angle", number(p->merge_angle));

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the benchmarks and prints what they measured beside the peers that are installed.
 
-    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|recovery|refine|codec ...] [--repeat N] [--small]
+    bench.py FOLDER-OF-THE-PROGRAMS [kernel|removal|threads|growth|recovery|refine|tables|codec ...] [--repeat N]
+        [--small]
 
 Ours and a peer's runs take turns, as machines are shared and noisy; a row gives medians,
-and the ratio is that of the medians. --small divides all sizes by ten. Nothing here fails by
+and the ratio is that of the medians. --small divides all sizes by ten. `tables` prints mesh sizes beside the thesis's. Nothing here fails by
 the clock; a program that does not work is a failure.
 """
 
@@ -24,6 +25,7 @@ import tempfile
 
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import models  # noqa: E402
+from tables import tables
 
 KERNEL = [("cube", 100_000), ("cube", 1_000_000), ("cube", 4_000_000), ("clusters", 1_000_000), ("planes", 200_000),
           ("grid", 262_144), ("lattice", 262_144), ("sphere", 200_000), ("circle", 2_000)]
@@ -328,7 +330,7 @@ def codec(b):
 
 def main():
     benches = {"kernel": kernel, "removal": removal, "threads": threads, "growth": growth, "recovery": recovery,
-               "refine": refine, "codec": codec}
+               "refine": refine, "tables": tables, "codec": codec}
     parser = argparse.ArgumentParser()
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("which", nargs="*", choices=[[], *benches], default=[])

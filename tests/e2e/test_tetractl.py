@@ -508,6 +508,69 @@ def test_wrong_angles_end_with_2(tmp_path, cube, wrong, told):
     assert only(tmp_path, "cube.off")
 
 
+def test_the_insertion_order_is_chosen(tmp_path):
+    points = ["10 3 0 0", *(f"{i} {i & 1} {i >> 1 & 1} {i >> 2}" for i in range(8)), "8 .5 .5 .5", "9 .5 .5 .503"]
+    (tmp_path / "box.smesh").write_text("\n".join([*points, "6 0", "4 0 1 3 2", "4 4 5 7 6", "4 0 1 5 4", "4 2 3 7 6",
+                                                    "4 0 2 6 4", "4 1 3 7 5", "0", "0", ""]), encoding="ascii")
+    meshes = {}
+    for order in ("O2_O1", "O1", "O2", "O3", "O4", "O5", "relatively_short", None):
+        out, report = tmp_path / "out.node", tmp_path / "report.json"
+        done = tetractl("mesh", tmp_path / "box.smesh", "-o", out, "--report", report, "--radius-edge", "1.2",
+                        *(["--order", order] if order else []))
+        assert done.returncode == 0, done.stderr
+        said = json.loads(report.read_text(encoding="utf-8"))
+        assert said["audit"]["passed"] and said["exceptions"]["count"] == 0
+        meshes[order] = out.read_bytes()
+    assert meshes[None] == meshes["O2_O1"] and len(set(meshes.values())) > 3
+
+
+@pytest.mark.parametrize("wrong, told", [
+    (["--order", "O6"], "'O6' is no value of --order"), (["--order", "short"], "--order"),
+    (["--stage", "cdt", "--order", "O1"], "--stage refine")])
+def test_wrong_insertion_orders_end_with_2(tmp_path, cube, wrong, told):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", *wrong)
+    assert done.returncode == 2 and told in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
+
+
+@pytest.mark.parametrize("bound, proven", [("1", False), ("1.4139", False), ("1.414", True), ("2", True)])
+def test_bounds_below_the_root_of_2_come_without_a_guarantee(tmp_path, cube, bound, proven):
+    report = tmp_path / "report.json"
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", "--report", report, "--radius-edge", bound)
+    assert done.returncode == 0, done.stderr
+    assert ("no guarantee" in done.stdout) == (not proven), done.stdout
+    promised = json.loads(report.read_text(encoding="utf-8"))["promised"]
+    assert promised["radius_edge"] == float(bound) and promised["radius_edge_proven"] is proven
+
+
+@pytest.mark.parametrize("bound", ["0.999", "0", "-2", "nan", "two"])
+def test_bounds_below_1_are_refused(tmp_path, cube, bound):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", "--radius-edge", bound)
+    assert done.returncode == 2 and "--radius-edge" in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
+
+
+def test_a_point_cloud_is_refined(tmp_path):
+    row = "{} {} {} {}".format
+    cloud = [row(i, i & 1, i >> 1 & 1, i >> 2) for i in range(8)]  # a cube, and two clusters in it
+    cloud += [row(8 + i, .3 + .01 * (i % 3), .4 + .011 * (i % 5), .4 + .012 * (i % 7)) for i in range(60)]
+    (tmp_path / "cloud.node").write_text("\n".join([f"{len(cloud)} 3 0 0", *cloud, ""]), encoding="ascii")
+    out, report = tmp_path / "out.node", tmp_path / "report.json"
+    done = tetractl("mesh", tmp_path / "cloud.node", "-o", out, "--report", report)
+    assert done.returncode == 0, done.stderr
+    assert "boundary conforming Delaunay" in done.stdout
+    said = json.loads(report.read_text(encoding="utf-8"))
+    assert said["audit"]["passed"] and said["exceptions"]["count"] == 0
+    assert said["quality"]["radius_edge"]["max"] < 2.0000001
+    assert said["quality"]["volume"] == pytest.approx(1)
+    assert [r[:4] for r in rows(out)[1:69]] == [[f"{float(x):.17g}" for x in r.split()] for r in cloud]
+    surface = numbers(out.with_suffix(".face"))
+    points = [tuple(map(float, p[:3])) for p in numbers(out)]
+    for corners in surface:
+        corners = [points[int(v)] for v in corners[:3]]
+        assert any(len({c[k] for c in corners}) == 1 and corners[0][k] in (0, 1) for k in range(3))
+
+
 def test_progress_is_drawn_on_a_terminal_alone(tmp_path, cube):
     try:
         master, slave = pty.openpty()

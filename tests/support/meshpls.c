@@ -4,7 +4,7 @@
  *   meshpls INPUT(.node .poly .smesh .off) [PREFIX] [--stage delaunay|cdt|refine]
  *     [--radius-edge R] [--max-volume V] [--min-dihedral D] [--memory BYTES]
  *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--merge-angle D]
- *     [--keep-hull] [--hilbert]
+ *     [--keep-hull] [--hilbert] [--order O2_O1|O1|O2|O3|O4|O5|relatively_short]
  *
  * Writes PREFIX.node, .ele, .face and .edge, and PREFIX.over: a row for each listed exception, its
  * tetrahedron, its radius-edge ratio and the subsegment to blame or -1; .sliver likewise, with
@@ -343,6 +343,8 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)r->peak_bytes);
   printf(",\"steiner\":%llu,\"cavities\":%llu,\"flips\":%llu,\"moves\":%llu", (unsigned long long)c->segment_steiner_points,
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
+  printf(",\"refined\":[%llu,%llu,%llu]", (unsigned long long)c->refine_segment_points,
+         (unsigned long long)c->refine_facet_points, (unsigned long long)c->refine_volume_points);
   printf(",\"slivers\":%u,\"first_slivers\":%llu,\"sliver_points\":%llu", m->n_slivers,
          (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points);
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
@@ -382,12 +384,21 @@ static tet_stage stage_of(const char *name) {
   return TET_STAGE_REFINE;
 }
 
+static tet_insertion order_of(const char *name) {
+  static const char *const names[] = {"O2_O1", "O1", "O2", "O3", "O4", "O5", "relatively_short"};
+  for (int i = 0; i < 7; i++)
+    if (strcmp(name, names[i]) == 0) return (tet_insertion)i;
+  die("no such order:", name);
+  return TET_INSERT_O2_O1;
+}
+
 /* Takes one option that needs a value; 0 if `name` is none. */
 static int take_value(job *j, const char *name, const char *value) {
   if (strcmp(name, "--stage") == 0) j->options.stage = stage_of(value);
   else if (strcmp(name, "--radius-edge") == 0) j->options.radius_edge = atof(value);
   else if (strcmp(name, "--max-volume") == 0) j->options.max_volume = atof(value);
   else if (strcmp(name, "--min-dihedral") == 0) j->options.min_dihedral = atof(value);
+  else if (strcmp(name, "--order") == 0) j->options.order = order_of(value);
   else if (strcmp(name, "--tolerance") == 0) j->options.planarity_tolerance = atof(value);
   else if (strcmp(name, "--merge-angle") == 0) j->options.merge_angle = atof(value);
   else if (strcmp(name, "--memory") == 0) j->limits.memory_bytes = strtoull(value, NULL, 10);

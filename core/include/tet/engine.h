@@ -29,6 +29,19 @@ typedef enum tet_point_order {
   TET_ORDER_HILBERT = 1      /* all vertices along a Hilbert curve */
 } tet_point_order;
 
+/* Which of the tetrahedra over the radius-edge bound is split next (3.3.5, Table 3.2; 3.3.6). Lengths
+ * and ratios whose squares differ by less than a 32nd are alike, the newest first. */
+typedef enum tet_insertion {
+  TET_INSERT_O2_O1 = 0, /* of the shortest edge, by quarters of powers of two of its square; of those, as O1 */
+  TET_INSERT_O1 = 1, /* of the largest radius-edge ratio */
+  TET_INSERT_O2 = 2, /* of the shortest edge */
+  TET_INSERT_O3 = 3, /* of the smallest circumradius */
+  TET_INSERT_O4 = 4, /* of the largest circumradius */
+  TET_INSERT_O5 = 5, /* at random */
+  TET_INSERT_RELATIVELY_SHORT = 6 /* in rounds (DELAUNAYREFINE2, Fig. 3.18): all whose shortest edge was there
+                                     when the round began, edge after edge; what came by that waits for the next */
+} tet_insertion;
+
 typedef enum tet_voronoi {
   TET_VORONOI_NONE = 0,
   TET_VORONOI_FACTORS = 1, /* cell volumes, edge factors, shares of subfaces */
@@ -39,10 +52,11 @@ enum { TET_MAX_THREADS = 31, TET_MOST_DIHEDRAL = 30, TET_MOST_MERGE_ANGLE = 45 }
 
 typedef struct tet_options {
   tet_stage stage;
-  double radius_edge;          /* bound rho_0; >= 1; default 2.0 */
+  double radius_edge;          /* bound rho_0; >= 1, below sqrt(2) without a guarantee; default 2.0 */
   double max_volume;           /* of every tetrahedron; 0: none */
   double min_dihedral;         /* degrees, up to TET_MOST_DIHEDRAL: tetrahedra with a smaller dihedral angle are
                                   slivers, which refinement removes (3.4.2); 0: none are; default 5 */
+  tet_insertion order;         /* of insertion; default O2_O1 */
   int keep_hull;               /* keep the convex hull: outside and holes stay (2.4.2); not with REFINE */
   double planarity_tolerance;  /* absolute; 0: 1e-5 of the box's diagonal */
   double merge_angle;          /* degrees, up to TET_MOST_MERGE_ANGLE: facets of one marker that meet within it of
@@ -60,7 +74,8 @@ typedef struct tet_options {
 
 void tet_options_default(tet_options *options);
 
-/* Meshes `pls`. On success *ret_mesh is the caller's, to be freed before the
+/* Meshes `pls`. Without facets there are Delaunay tetrahedra of its points, or, with TET_STAGE_REFINE, the
+ * refined mesh of their convex hull, whose triangles are its facets. On success *ret_mesh is the caller's, to be freed before the
  * context; on failure it is untouched and tet_ctx_error(ctx) tells why. Cost:
  * about n log n in the output's size. Errors: every tet_status. */
 tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh);

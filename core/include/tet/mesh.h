@@ -58,6 +58,8 @@ typedef struct tet_promise {
   int covered;               /* every face of the mesh's boundary is a subface */
   int convex;                /* the mesh fills the convex hull of its vertices */
   double radius_edge;        /* bound, the listed exceptions aside; 0: none */
+  int radius_edge_proven;    /* the bound is at least sqrt(2), as which 1.414 counts: away from sharp segments it
+                                is reached (Theorem 3.3.14); below, that is but tried */
   double max_volume;         /* bound, the listed exceptions aside; 0: none */
   double min_dihedral;       /* degrees, the listed slivers aside; 0: none */
   int region_volumes;        /* the regions' own bounds hold, the exceptions aside */
@@ -169,7 +171,7 @@ typedef struct tet_mesh {
                                 number its subfaces have; else itself */
   uint32_t n_subfaces;
   uint32_t *subfaces;        /* [n][3] */
-  uint32_t *subface_facets;  /* [n] input facet */
+  uint32_t *subface_facets;  /* [n] input facet; of a system without facets, triangle of its hull */
   int32_t *subface_markers;  /* [n] */
 
   uint32_t n_subsegments;

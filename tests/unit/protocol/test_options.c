@@ -23,6 +23,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_true(options.radius_edge == 2.0);
     assert_true(options.max_volume == 0.0);
     assert_true(options.min_dihedral == 5.0);
+    assert_int_equal(options.order, TP_INSERT_O2_O1);
     assert_false(options.keep_hull);
     assert_true(options.merge_angle == 0.0);
     assert_int_equal(options.voronoi, TP_VORONOI_NONE);
@@ -49,6 +50,10 @@ static void refusals_name_the_option(void **state) {
       {"{\"merge_angle\":46}", "options.merge_angle"},
       {"{\"merge_angle\":\"5\"}", "options.merge_angle"},
       {"{\"stage\":\"cdt\",\"merge_angle\":5}", "options.merge_angle"},
+      {"{\"order\":\"O6\"}", "options.order"},
+      {"{\"order\":\"o2\"}", "options.order"},
+      {"{\"order\":2}", "options.order"},
+      {"{\"stage\":\"cdt\",\"order\":\"O2\"}", "options.order"},
       {"{\"keep_hull\":1}", "options.keep_hull"},
       {"{\"planarity_tolerance\":-1e-9}", "options.planarity_tolerance"},
       {"{\"seed\":-1}", "options.seed"},
@@ -84,6 +89,7 @@ static void what_is_written_is_read(void **state) {
                              .radius_edge = 1.414,
                              .max_volume = 0.1,
                              .min_dihedral = 0.0,
+                             .order = TP_INSERT_O3,
                              .keep_hull = true,
                              .planarity_tolerance = 1e-6,
                              .merge_angle = 12.5,
@@ -103,10 +109,20 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&
-              read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.keep_hull && read.neighbours &&
+              read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.order == TP_INSERT_O3 &&
+              read.keep_hull && read.neighbours &&
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
               read.merge_angle == 12.5 && read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
+  for (int order = TP_INSERT_O2_O1; order <= TP_INSERT_RELATIVELY_SHORT; order++) {
+    tp_options_default(&read);
+    read.order = (tp_insertion)order;
+    json = tp_options_json(&read);
+    assert_int_equal(json_object_size(json), order != TP_INSERT_O2_O1);
+    assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
+    json_decref(json);
+    assert_int_equal(read.order, order);
+  }
   for (int voronoi = TP_VORONOI_FACTORS; voronoi <= TP_VORONOI_DIAGRAM; voronoi++) {
     tp_options_default(&read);
     read.voronoi = (tp_voronoi)voronoi;

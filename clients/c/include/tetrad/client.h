@@ -67,10 +67,11 @@ typedef struct tetrad_array {
 /* What to make. Zero (NULL) in a member means the server's default. */
 typedef struct tetrad_options {
     const char *stage;          /* "delaunay", "cdt", "refine" (default) */
-    double radius_edge;         /* >= 1 */
+    double radius_edge;         /* >= 1; below 1.414 without a guarantee */
     double max_volume;          /* > 0 */
     double min_dihedral;        /* degrees, up to 30: below it are slivers, which are removed */
     int bound_only;             /* slivers stay; not with min_dihedral */
+    const char *order;          /* of insertion: "O2_O1" (default), "O1" to "O5", "relatively_short" */
     int keep_hull;              /* keep the convex hull */
     double planarity_tolerance; /* length */
     double merge_angle;         /* degrees, up to 45: sides this flat are creases, no sharp segments */

@@ -182,6 +182,8 @@ static void refuses_arguments_before_sending(void **state) {
                                     {.merge_angle = 46},
                                     {.stage = "cdt", .merge_angle = 5},
                                     {.min_dihedral = 40},
+                                    {.order = "O6"},
+                                    {.stage = "cdt", .order = "O1"},
                                     {.min_dihedral = -1},
                                     {.bound_only = 1, .min_dihedral = 5},
                                     {.stage = "cdt", .bound_only = 1}};

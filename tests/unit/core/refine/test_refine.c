@@ -103,6 +103,60 @@ static void wedges_end(void **state) {
   }
 }
 
+/* Its ends, bent by rounding, have creases, and a Steiner point of one of these beside another: subfaces
+ * whose circumcentres are far beyond a subsegment, which was halved for them down to a thousandth of the
+ * local feature size. */
+static void segments_are_not_cut_for_centres_far_beyond(void **state) {
+  (void)state;
+  static const double points[17][3] = {
+      {0.78088056415985452, 0.41215023592726036, 0.46942275993233551},
+      {0.97526583536210365, -0.14583410639780436, -0.16609925883823876},
+      {0.43525604073916591, -0.59400239213168537, -0.67654514789620734},
+      {-0.43251043016554463, -0.59487476114979221, -0.67753874158234917},
+      {-0.97458772555066808, -0.14779430178840536, -0.16833184358538167},
+      {-0.78278058562953512, 0.41057828127398671, 0.46763236597521923},
+      {-0.0015236989153762925, 0.65977704426644002, 0.75145986599462211},
+      {0.78088056415985452, 1.070560289151371, -0.10865713293931123},
+      {0.97526583536210365, 0.51257594682630625, -0.74417915170988547},
+      {0.43525604073916591, 0.064407661092425239, -1.2546250407678541},
+      {-0.43251043016554463, 0.063535292074318406, -1.2556186344539959},
+      {-0.97458772555066808, 0.51061575143570526, -0.74641173645702841},
+      {-0.78278058562953512, 1.0689883344980973, -0.11044752689642751},
+      {-0.0015236989153762925, 1.3181870974905507, 0.17337997312297537},
+      {-0.1046443620244029, 0.21525017150406517, -0.24490616220041853},
+      {-0.21446358018331618, 0.22006813527358834, -0.07535945041296481},
+      {0.21736225330420242, 0.23655393954453141, -0.7032872971278834}};
+  tet_ctx *ctx;
+  solid s;
+  tet_build_result built;
+  tet_refine_result r;
+  tet_refine_options o;
+  double shortest2 = 1;
+  solid_regular(&s, 7, 1, unturned);
+  s.pls.n_points = 17;
+  s.pls.points = points[0];
+  s.pls.n_loose_points = TET_LOOSE_ALL_UNUSED;
+  tet_refine_options_default(&o);
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  assert_int_equal(solid_build(ctx, &s, &built), TET_OK);
+  tet_stage_begin(ctx, "refine");
+  assert_int_equal(tet_refine(ctx, &built.pieces, &o, &r), TET_OK);
+  assert_null(pieces_fault(&built.pieces));
+  assert_int_equal(r.n_exceptions, 0);
+  assert_true(r.gabriel && r.constrained_delaunay);
+  for (size_t k = 0; k < 16 * (size_t)built.pieces.n_tets; k++) {
+    const uint32_t *v = built.pieces.tets + (k / 16) * 4;
+    const double *x = built.pieces.points + 3 * (size_t)v[k / 4 % 4], *y = built.pieces.points + 3 * (size_t)v[k % 4];
+    double d2 = 0;
+    for (int i = 0; i < 3; i++) d2 += (x[i] - y[i]) * (x[i] - y[i]);
+    if (d2 > 0 && d2 < shortest2) shortest2 = d2;
+  }
+  assert_true(shortest2 > 0.01 * 0.01);
+  tet_refine_result_free(ctx, &r);
+  tet_build_result_free(ctx, &built);
+  tet_ctx_free(ctx);
+}
+
 static void limits_leave_nothing(void **state) {
   (void)state;
   static const struct {
@@ -147,12 +201,16 @@ static void nonsense_is_refused(void **state) {
   tet_refine_options_default(&o);
   o.max_volume = -1;
   assert_int_equal(tet_refine(ctx, &none, &o, &r), TET_E_ARGUMENT);
+  tet_refine_options_default(&o);
+  o.order = TET_INSERT_RELATIVELY_SHORT + 1;
+  assert_int_equal(tet_refine(ctx, &none, &o, &r), TET_E_ARGUMENT);
   tet_ctx_free(ctx);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(box_by_volume), cmocka_unit_test(input_keeps_its_bits), cmocka_unit_test(wedges_end),
+      cmocka_unit_test(segments_are_not_cut_for_centres_far_beyond),
       cmocka_unit_test(limits_leave_nothing), cmocka_unit_test(nonsense_is_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Point clouds are refined in their convex hull. */
+#include <tet/engine.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { INSIDE = 60, N = 8 + INSIDE + 2 };
+
+/* A cube's corners, points in it, one of them twice, and a point far away. */
+static double points[N][3];
+
+static void place(void) {
+  uint64_t random = 5;
+  for (int i = 0; i < 8; i++)
+    for (int k = 0; k < 3; k++) points[i][k] = i >> k & 1;
+  for (int i = 8; i < 8 + INSIDE; i++)
+    for (int k = 0; k < 3; k++) {
+      random = random * 6364136223846793005u + 1442695040888963407u;
+      points[i][k] = i % 4 ? 0.5 + ldexp((double)(random >> 11), -54) / (1 + i % 5) : (i % 3 == k ? 1 : 0.25 + 0.01 * i / 2);
+    }
+  memcpy(points[N - 2], points[20], sizeof points[0]);
+  points[N - 1][0] = points[N - 1][1] = points[N - 1][2] = 50;
+}
+
+static tet_status mesh(tet_ctx *ctx, const tet_pls *pls, tet_mesh **ret) {
+  tet_options o;
+  tet_options_default(&o);
+  return tet_mesh_pls(ctx, pls, &o, ret);
+}
+
+static void check_unit_cube(const tet_mesh *m) {
+  assert_true(m->report.audit.passed && m->report.promised.delaunay && m->report.promised.gabriel);
+  assert_true(m->report.promised.covered);
+  assert_int_equal(m->n_exceptions, 0);
+  assert_true(m->report.quality.radius_edge.max <= 2.0000001);
+  assert_true(fabs(m->report.quality.volume - 1) < 1e-12);
+  assert_true(m->n_points > N);
+  for (uint32_t s = 0; s < m->n_subsegments; s++) { /* on the cube's edges alone: coplanar triangles are one facet */
+    int sides = 0;
+    for (int k = 0; k < 3; k++) {
+      double x = m->points[3 * (size_t)m->subsegments[2 * s] + (size_t)k];
+      sides += (x == 0 || x == 1) && x == m->points[3 * (size_t)m->subsegments[2 * s + 1] + (size_t)k];
+    }
+    assert_int_equal(sides, 2);
+  }
+}
+
+static void the_hull_is_refined(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  tet_mesh *m = NULL;
+  place();
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  const tet_pls cloud = {.n_points = N - 1, .points = points[0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
+  assert_int_equal(mesh(ctx, &cloud, &m), TET_OK);
+  check_unit_cube(m);
+  assert_int_equal(m->point_same_as[N - 2], 20);
+  tet_mesh_free(m);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+}
+
+static void points_that_are_not_listed_stay_out(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  tet_mesh *m = NULL;
+  uint32_t listed[N - 1];
+  place();
+  for (uint32_t i = 0; i < N - 1; i++) listed[i] = i;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  const tet_pls cloud = {.n_points = N, .points = points[0], .n_loose_points = N - 1, .loose_points = listed};
+  assert_int_equal(mesh(ctx, &cloud, &m), TET_OK);
+  check_unit_cube(m);
+  tet_mesh_free(m);
+  m = NULL;
+  const uint32_t segment[2] = {0, N - 1}; /* its end is in use */
+  const tet_pls spike = {.n_points = N, .points = points[0], .n_loose_points = N - 1, .loose_points = listed,
+                         .n_segments = 1, .segments = segment};
+  assert_int_equal(mesh(ctx, &spike, &m), TET_OK);
+  assert_true(m->report.audit.passed && m->report.quality.volume > 10);
+  tet_mesh_free(m);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+}
+
+static void flat_clouds_are_refused(void **state) {
+  (void)state;
+  tet_ctx *ctx;
+  tet_mesh *m = NULL;
+  place();
+  for (int i = 0; i < N; i++) points[i][1] = 3;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  const tet_pls cloud = {.n_points = N, .points = points[0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
+  assert_int_equal(mesh(ctx, &cloud, &m), TET_E_DEGENERATE);
+  const tet_pls none = {.n_points = N, .points = points[0]};
+  assert_int_not_equal(mesh(ctx, &none, &m), TET_OK);
+  assert_null(m);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(the_hull_is_refined),
+                                     cmocka_unit_test(points_that_are_not_listed_stay_out),
+                                     cmocka_unit_test(flat_clouds_are_refused)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
