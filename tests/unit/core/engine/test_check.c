@@ -133,7 +133,7 @@ static void options(void **state) {
     o.order = k == 0 ? -2 : k == 1 ? 7 : k == 2 ? -1 : 99;
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
     assert_non_null(strstr(tet_ctx_error(ctx)->message, "insertion order"));
-    o.order = TET_INSERT_O2_O1 + 2 * k;
+    o.order = (tet_insertion)(TET_INSERT_O2_O1 + 2 * (int)k);
     assert_int_equal(tet_check_options(ctx, &o), TET_OK);
     o.planarity_tolerance = k == 0 ? -1e-9 : wrong[k];
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
