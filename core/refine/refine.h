@@ -33,6 +33,8 @@ typedef struct tet_refine_options {
   double crowd_facets; /* the same, for the gap to the next facet at sharp dihedral angles */
   double floor;       /* scales those of all vertices; far below what angles that are
                          not sharp can cause, it ends every other cascade */
+  double wedge_floor; /* the same where there are sharp dihedral angles, and no subface is
+                         promised to be Gabriel */
 } tet_refine_options;
 
 typedef struct tet_refine_result {

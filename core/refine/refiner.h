@@ -164,7 +164,7 @@ typedef struct refiner {
   double *segment_sine;          /* [segment] of its least sharp angle; 1: none is */
   uint8_t *facet_thin;           /* [facet] 1: at a dihedral angle of so small a sine as `thin` */
   uint64_t thin_points;          /* that may still be inserted there */
-  uint32_t n_sharp;
+  uint32_t n_sharp, n_wedges;    /* segments; those at sharp dihedral angles */
   uint8_t *acute_end;            /* [first vertices] 1: end of segments below 60 degrees */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
   uint32_t *segment_facet_start, *segment_facet; /* [segment] facets at each */

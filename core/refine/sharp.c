@@ -121,6 +121,9 @@ tet_status refine_find_sharp(refiner *r) {
   tet_status status = plane_angles(r);
   if (status) return status;
   dihedral_angles(r);
-  for (uint32_t s = 0; s < r->out->n_segments; s++) r->n_sharp += r->segment_sharp[s] != 0;
+  for (uint32_t s = 0; s < r->out->n_segments; s++) {
+    r->n_sharp += r->segment_sharp[s] != 0;
+    r->n_wedges += (r->segment_sharp[s] & 2) != 0;
+  }
   return TET_OK;
 }

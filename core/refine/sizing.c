@@ -236,7 +236,7 @@ int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n,
     uint32_t v = vertices[i];
     const double *y = refine_x(r, v);
     double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
-    double ball = r->o.floor * r->size[v];
+    double ball = (r->n_wedges ? r->o.wedge_floor : r->o.floor) * r->size[v];
     double sharp = cause == CAUSE_CENTRE && r->n_sharp ? alpha * r->size[v] : r->o.wedge * alpha * r->sharp_size[v];
     if (sharp > ball) ball = sharp;
     if (d > ball * ball) continue;
