@@ -2,7 +2,7 @@
 /* seeds.c: are the vertices, holes and regions of the PLS where they should be in the mesh?
  *
  * A vertex that is used may be missing only outside; no hole's seed may be inside; a region's seed
- * is in the region that has its marker, attribute and bound (A.1.2). */
+ * is in the region that has its marker, attribute and bound, or in a hole (A.1.2). */
 #include "audit/cover.h"
 #include "audit/reach.h"
 
@@ -77,7 +77,7 @@ static void judge(const seeds *s, uint32_t *first, tet_audit *found) {
     if (kind == VERTEX) found->lost_vertices += (uint64_t)inside;
     if (kind == HOLE) found->wrong_regions += (uint64_t)inside;
     if (kind != REGION) continue;
-    found->wrong_regions += !inside;
+    found->wrong_regions += !inside && !s->pls->n_holes; /* a hole may have taken its part */
     uint32_t r = inside ? s->mesh->tetrahedron_regions[p->tet] : 0;
     if (inside && index < first[r]) first[r] = index; /* of two seeds in one part the first counts */
   }

@@ -8,8 +8,8 @@
 
 void tet_refine_options_default(tet_refine_options *options) {
   *options = (tet_refine_options){.radius_edge = 2.0, .max_volume = 0, .order = TET_INSERT_O2_O1, .min_dihedral = 0,
-                                  .sliver_points = 5, .alpha2 = 0.3, .wedge = 100, .thin = 0.1, .thin_points = 4,
-                                  .crowd = 0.4, .crowd_facets = 0.3, .floor = 1e-4, .wedge_floor = 1e-2};
+                                  .sliver_points = 5, .alpha2 = 0.25, .wedge = 100, .thin = 0.1, .thin_points = 4,
+                                  .crowd = 0.4, .crowd_facets = 0.3, .floor = 1e-4, .wedge_floor = 2e-2};
 }
 
 void tet_refine_result_free(tet_ctx *ctx, tet_refine_result *result) {

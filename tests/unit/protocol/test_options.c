@@ -105,7 +105,7 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(json_object_size(json), 0);
   json_decref(json);
   json = tp_options_json(&wanted);
-  assert_int_equal(json_object_size(json), 12);
+  assert_int_equal(json_object_size(json), 13);
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&

@@ -296,6 +296,19 @@ static void finds_a_shifted_region(void **state) {
   assert_false(a.passed);
 }
 
+/* Its seed is then the seed of no region of the mesh. */
+static void passes_a_region_in_a_hole(void **state) {
+  (void)state;
+  static const double hole[3] = {1.5, 3.75, 3.5};
+  b->pls.holes = hole;
+  b->pls.n_holes = 1;
+  for (int stage = TET_STAGE_CDT; stage <= TET_STAGE_REFINE; stage++) {
+    make(stage);
+    assert_int_equal(mesh->n_regions, 1);
+    assert_true(audit().passed);
+  }
+}
+
 static void finds_a_moved_vertex(void **state) {
   (void)state;
   make(TET_STAGE_CDT);
@@ -471,7 +484,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(passes_a_good_mesh), TEST(passes_merged_facets), TEST(finds_every_dropped_subface), TEST(finds_a_dropped_facet),
       TEST(finds_renumbered_subfaces), TEST(finds_a_foreign_subface), TEST(finds_a_lost_segment),
-      TEST(finds_a_broken_chain), TEST(finds_a_shifted_region), TEST(finds_a_moved_vertex), TEST(finds_a_lost_vertex),
+      TEST(finds_a_broken_chain), TEST(finds_a_shifted_region), TEST(passes_a_region_in_a_hole),
+      TEST(finds_a_moved_vertex), TEST(finds_a_lost_vertex),
       TEST(finds_wrong_holes), TEST(finds_a_wrong_merge), TEST(finds_a_facet_not_meshed), TEST(adds_chains_up),
       TEST(outlines_facets)};
   return cmocka_run_group_tests_name("audit against the PLS", tests, NULL, NULL);
