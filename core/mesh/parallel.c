@@ -340,7 +340,9 @@ static tet_status insert_together(job *j) {
 static tet_status insert_alone(job *j) {
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < j->n_todo && status == TET_OK; k++) {
-    status = tet_complex_insert(j->c, j->todo[k], hint_for(j, j->c, j->todo[k]));
+    uint32_t v = j->todo[k], from = k && v - j->todo[k - 1] <= NEAR ? TET_NONE : hint_for(j, j->c, v);
+    status = tet_complex_insert(j->c, v, from);
+    if (status == TET_OK && v % CELL == 0) atomic_store_explicit(hint_at(j, v), j->c->last, memory_order_relaxed);
     if (status == TET_OK && k % POLL == 0) status = tet_poll(j->c->ctx);
   }
   return status;

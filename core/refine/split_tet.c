@@ -6,6 +6,7 @@
 #include "refine/refiner.h"
 
 #include "base/vector.h"
+#include "exact/predicates.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,10 +29,21 @@ static tet_status split_hits(refiner *r, refine_outcome *ret) {
   return status;
 }
 
+/* 0: the centre of a tetrahedron so flat or small that doubles hold none. */
+static int is_place(const double x[3]) {
+  int so = 1;
+  for (int i = 0; i < 3; i++) so &= fabs(x[i]) <= TET_COORDINATE_LIMIT; /* false for NaN */
+  return so;
+}
+
 /* Inserts x for tetrahedron t, or splits `instead` what it encroaches upon. */
 static tet_status try_point(refiner *r, uint32_t t, const double x[3], int instead, refine_outcome *ret) {
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   *ret = OUTCOME_REJECTED;
+  if (!is_place(x)) {
+    r->result.rejected.outside++;
+    return TET_OK;
+  }
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
   /* the circumcentre of a near-flat tetrahedron is noise unless it is inside */
@@ -122,7 +134,7 @@ static tet_status centre_first(refiner *r, uint32_t t, const double x[3], int *r
   int acute = 0;
   *ret = 0;
   for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && r->acute_end[corner[i]];
-  if (!acute) return TET_OK;
+  if (!acute || !is_place(x)) return TET_OK;
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
   if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) > 0) {

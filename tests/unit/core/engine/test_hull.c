@@ -89,6 +89,26 @@ static void points_that_are_not_listed_stay_out(void **state) {
   tet_ctx_free(ctx);
 }
 
+/* A cube of nine points, whose edges' squares and volume no double holds. */
+static void the_smallest_clouds_are_meshed(void **state) {
+  (void)state;
+  for (int side = 1; side < 20; side += 6) {
+    tet_ctx *ctx;
+    tet_mesh *m = NULL;
+    place();
+    for (int i = 0; i < 8; i++)
+      for (int k = 0; k < 3; k++) points[i][k] *= ldexp(side, -1074);
+    for (int k = 0; k < 3; k++) points[8][k] = ldexp(k + side / 2, -1074);
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    const tet_pls cloud = {.n_points = 9, .points = points[0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
+    assert_int_equal(mesh(ctx, &cloud, &m), TET_OK);
+    assert_true(m->report.audit.passed);
+    tet_mesh_free(m);
+    assert_int_equal(tet_ctx_bytes(ctx), 0);
+    tet_ctx_free(ctx);
+  }
+}
+
 static void flat_clouds_are_refused(void **state) {
   (void)state;
   tet_ctx *ctx;
@@ -108,6 +128,7 @@ static void flat_clouds_are_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(the_hull_is_refined),
                                      cmocka_unit_test(points_that_are_not_listed_stay_out),
+                                     cmocka_unit_test(the_smallest_clouds_are_meshed),
                                      cmocka_unit_test(flat_clouds_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
