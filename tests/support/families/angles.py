@@ -9,22 +9,12 @@ an angle within 1e-7 degrees of a bound counts as at it."""
 import collections
 import math
 
+from exact import cross, dot, minus
+
 PLANE = 60.0
 DIHEDRAL = math.degrees(math.acos(1 / (2 * 2 ** 0.5)))
 ROOM = 1e-7   # degrees
 FLAT = 1e-4   # degrees: what is straighter than 180 less that is no edge between two facets
-
-
-def minus(a, b):
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def unit(a):
