@@ -12,6 +12,12 @@ static inline double tet_dot(const double a[3], const double b[3]) { return a[0]
 
 static inline double tet_square(const double a[3]) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
 
+static inline double tet_distance2(const double a[3], const double b[3]) {
+  double d[3];
+  tet_minus(a, b, d);
+  return tet_square(d);
+}
+
 /* c = a x b; c is neither a nor b */
 static inline void tet_cross(const double a[3], const double b[3], double c[3]) {
   c[0] = a[1] * b[2] - a[2] * b[1];

@@ -51,8 +51,7 @@ typedef struct recovery {
 static const double *at(const recovery *r, uint32_t v) { return r->st->points.x + 3 * (size_t)v; }
 
 static double distance(const double *a, const double *b) {
-  double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-  return sqrt(x * x + y * y + z * z);
+  return sqrt(tet_distance2(a, b));
 }
 
 /* The place of vertex v on its segment, from 0 at a to 1 at b. */

@@ -86,10 +86,9 @@ static uint32_t round_of(const refiner *r, uint32_t t) {
   uint32_t young = 0, low = 0, high = r->n_rounds;
   for (int e = 0; e < 6; e++) {
     uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-    double d[3];
-    tet_minus(refine_x(r, a), refine_x(r, b), d);
-    if (!(tet_square(d) < least)) continue;
-    least = tet_square(d);
+    double length2 = tet_distance2(refine_x(r, a), refine_x(r, b));
+    if (!(length2 < least)) continue;
+    least = length2;
     young = a > b ? a : b;
   }
   while (low < high) { /* how many rounds had begun when it came */
@@ -111,7 +110,8 @@ static uint32_t random_key(const refiner *r, uint32_t t) {
 }
 
 /* The key among tetrahedra over the radius-edge bound, least first (3.3.5, Table 3.2; 3.3.6). */
-static uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
+static inline uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
+  if (r->o.order == TET_INSERT_O2_O1) return usual_key(r, s);
   double x = INFINITY; /* of a tetrahedron that is flat, or whose measures overflow */
   if (s->volume6 > 0) x = tet_square(s->to_centre) / (4 * s->volume6 * s->volume6);
   if (r->o.order == TET_INSERT_O1) x /= s->shortest2;
@@ -122,8 +122,7 @@ static uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
   case TET_INSERT_O4: return KEYS - 1 - key_of(x);
   case TET_INSERT_O5: return random_key(r, t);
   case TET_INSERT_RELATIVELY_SHORT: return round_of(r, t);
-  case TET_INSERT_O2: return key_of(s->shortest2);
-  default: return usual_key(r, s);
+  default: return key_of(s->shortest2); /* O2 */
   }
 }
 
@@ -132,8 +131,7 @@ static uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shape *s) {
  * close by. Slivers (3.4.2) come last, the sharpest first. */
 static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
   refine_measure(r, t, ret_shape);
-  if (refine_over_ratio(r, ret_shape))
-    return r->o.order == TET_INSERT_O2_O1 ? usual_key(r, ret_shape) : ratio_key(r, t, ret_shape);
+  if (refine_over_ratio(r, ret_shape)) return ratio_key(r, t, ret_shape);
   if (refine_over_volume(r, t, ret_shape)) return 2 * KEYS - 1 - (key_of(ret_shape->volume6) >> FINE << FINE);
   if (!r->watch_slivers) return BUCKETS;
   double sine2 = 1 - refine_sharpest(r, t);

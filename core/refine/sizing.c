@@ -6,6 +6,7 @@
  * the neighbours at new ones; never an exact lfs there. */
 #include "base/hilbert.h"
 #include "base/sort.h"
+#include "base/vector.h"
 #include "refine/refiner.h"
 
 #include <math.h>
@@ -165,7 +166,7 @@ static void shortest_edges2(refiner *r) {
     for (int e = 0; e < 6; e++) {
       uint32_t a = r->mesh.v[4 * (size_t)t + refine_edge[e][0]], b = r->mesh.v[4 * (size_t)t + refine_edge[e][1]];
       const double *x = refine_x(r, a), *y = refine_x(r, b);
-      double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
+      double d = tet_distance2(x, y);
       if (d < r->size[a]) r->size[a] = d;
       if (d < r->size[b]) r->size[b] = d;
     }
@@ -200,7 +201,7 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
   for (uint32_t i = 0; i < neighbours->n; i++) {
     uint32_t v = neighbours->at[i];
     const double *y = refine_x(r, v);
-    double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
+    double d = tet_distance2(x, y);
     sum += 1 / d;
     size += r->size[v] / d;
     sharp += r->sharp_size[v] / d;
@@ -235,7 +236,7 @@ int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n,
   for (uint32_t i = 0; i < n; i++) {
     uint32_t v = vertices[i];
     const double *y = refine_x(r, v);
-    double d = (x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]);
+    double d = tet_distance2(x, y);
     double ball = (r->n_wedges ? r->o.wedge_floor : r->o.floor) * r->size[v];
     double sharp = cause == CAUSE_CENTRE && r->n_sharp ? alpha * r->size[v] : r->o.wedge * alpha * r->sharp_size[v];
     if (sharp > ball) ball = sharp;
@@ -272,7 +273,7 @@ int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n) {
   double room = INFINITY;
   for (uint32_t i = 0; i < n; i++) {
     const double *y = refine_x(r, vertices[i]);
-    room = fmin(room, refine_edge_distance2(y, y, x));
+    room = fmin(room, tet_distance2(x, y));
   }
   int wedged = 0; /* near a sharp dihedral angle */
   for (uint32_t i = 0; i < n; i++) wedged |= r->sharp_size[vertices[i]] > 0.5 * r->size[vertices[i]];

@@ -11,6 +11,8 @@
  * two. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -43,10 +45,7 @@ void refine_spend(refiner *r) {
 }
 
 static double distance(const refiner *r, uint32_t a, uint32_t b) {
-  const double *x = refine_x(r, a), *y = refine_x(r, b);
-  double sum = 0;
-  for (int i = 0; i < 3; i++) sum += (x[i] - y[i]) * (x[i] - y[i]);
-  return sqrt(sum);
+  return sqrt(tet_distance2(refine_x(r, a), refine_x(r, b)));
 }
 
 /* 1 if v is a Steiner point on another segment that ends at input vertex `end`. */

@@ -5,6 +5,8 @@
  * follows Theorem 4.2.3. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 
 /* For each vertex its subsegment of the sharpest angle, or TET_NONE. */
@@ -31,7 +33,7 @@ void refine_note_blame(refiner *r, uint32_t v) {
 static void measure(refiner *r, uint32_t t, uint32_t e) {
   tet_trace *ret = &r->result.trace;
   refine_shape shape;
-  double c[3], centre2 = INFINITY, corner2 = INFINITY, size = 0;
+  double c[3], corner2 = INFINITY, size = 0;
   const double *a = refine_x(r, r->seg_v[2 * (size_t)e]), *b = refine_x(r, r->seg_v[2 * (size_t)e + 1]);
   refine_measure(r, t, &shape);
   refine_circumcentre(r, t, &shape, c);
@@ -39,8 +41,7 @@ static void measure(refiner *r, uint32_t t, uint32_t e) {
   for (int i = 0; i < 2; i++) {
     uint32_t p = r->seg_v[2 * (size_t)e + i];
     double reach = r->o.alpha2 * r->size[p];
-    centre2 = refine_edge_distance2(refine_x(r, p), refine_x(r, p), c);
-    within |= centre2 <= 2 * reach * reach;
+    within |= tet_distance2(refine_x(r, p), c) <= 2 * reach * reach;
     size = fmax(size, reach);
   }
   ret->within += (uint64_t)within;

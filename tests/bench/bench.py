@@ -12,7 +12,6 @@ the clock; a program that does not work is a failure.
 
 import argparse
 import json
-import math
 import os
 import pathlib
 import random
@@ -23,8 +22,7 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-import models  # noqa: E402
+from inputs import as_tetgen, line_and_circle, models, write_poly
 from tables import tables
 
 KERNEL = [("cube", 100_000), ("cube", 1_000_000), ("cube", 4_000_000), ("clusters", 1_000_000), ("planes", 200_000),
@@ -180,8 +178,7 @@ def surfaces(b):
     """The surface models, one marker for each group of coplanar facets, so that both keep every facet."""
     sums, worst = [0.0, 0.0], 0.0
     for model in models.folder("surface"):
-        off, smesh = models.as_off(model, b.scratch), b.scratch / (model.stem + ".smesh")
-        output(sys.executable, models.SHARED / "judge/tosmesh.py", off, smesh)
+        smesh = as_tetgen(model, b.scratch)
         runs = [lambda p=smesh: cdt(b, p)]
         if shutil.which("tetgen"):
             runs.append(lambda p=smesh: tetgen_cdt(p))
@@ -198,18 +195,6 @@ def surfaces(b):
     if sums[1]:
         print(f"  sum             {sums[0]:8.4f} s   TetGen {sums[1]:8.4f} s  {sums[1] / sums[0]:5.2f};"
               f" the least of those over {LEAST} s {1 / worst if worst else 0:5.2f}", flush=True)
-
-
-def write_pls(path, points, facets):
-    """facets: lists of polygons, which are lists of points' numbers."""
-    with open(path, "w", encoding="ascii") as f:
-        f.write(f"{len(points)} 3 0 0\n")
-        f.writelines(f"{i} {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(points))
-        f.write(f"{len(facets)} 0\n")
-        for polygons in facets:
-            f.write(f"{len(polygons)} 0\n")
-            f.writelines(f"{len(p)} {' '.join(map(str, p))}\n" for p in polygons)
-        f.write("0\n0\n")
 
 
 def layers(v, f, upwards):
@@ -229,10 +214,9 @@ def layers(v, f, upwards):
     return points + [(0.0, 0.0, -40.0)], facets
 
 
-def line_and_circle(n):
-    """n points on a line through the middle of a circle of n others, and a box round both."""
-    points = [(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n), 0.0) for i in range(n)]
-    points += [(0.0, 0.0, 2.0 * (i + 0.5) / n - 1.0) for i in range(n)]
+def boxed_line_and_circle(n):
+    """Those points, and a box round them."""
+    points = line_and_circle(n)
     first = len(points)
     points += [(4.0 * (i & 1) - 2, 2.0 * (i & 2) - 2, 1.0 * (i & 4) - 2) for i in range(8)]
     sides = ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6))
@@ -249,7 +233,7 @@ def recovery(b):
         costs = []
         for v, f in ((500, 50), (1000, 100)):
             path = b.scratch / "layers.poly"
-            write_pls(path, *layers(b.sized(v), b.sized(f), upwards))
+            write_poly(path, *layers(b.sized(v), b.sized(f), upwards))
             rows = b.turns(lambda p=path: cdt(b, p, "--keep-hull"))[0]
             costs.append(median(rows))
             print(f"  L({b.sized(v)}, {b.sized(f)}) {'upwards' if upwards else 'downwards':<10}{costs[-1]:8.4f} s,"
@@ -258,7 +242,7 @@ def recovery(b):
         print(f"    grows {costs[1] / costs[0]:.2f} times", flush=True)
     n = b.sized(1000)
     path = b.scratch / "line_and_circle.poly"
-    write_pls(path, *line_and_circle(n))
+    write_poly(path, *boxed_line_and_circle(n))
     rows = b.turns(lambda: cdt(b, path))[0]
     print(f"  line and circle of {n} + {n} points {median(rows):8.4f} s, {rows[0]['tets']} tetrahedra", flush=True)
 

@@ -6,13 +6,12 @@ Mesh sizes, no times: one run each. Models are the real ones beside the checkout
 
 import json
 import math
-import pathlib
 import re
 import shutil
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from inputs import as_tetgen, line_and_circle, write_node, write_smesh
 
 ORDERS = ["O2_O1", "O1", "O2", "O3", "O4", "O5", "relatively_short"]
 LIMIT = 120  # seconds for one run of TetGen, which does not end on everything
@@ -27,26 +26,10 @@ SLIVER_MODELS = ["multi/sfepy_cylinder_in_box.smesh", "multi/sfepy_perfusion_mic
                  "plc/ex1.smesh", "surface/boeing_part.off", "surface/casting.off", "surface/turbine.off"]
 
 
-def write_node(path, points):
-    with open(path, "w", encoding="ascii") as f:
-        f.write(f"{len(points)} 3 0 0\n")
-        f.writelines(f"{i} {p[0]!r} {p[1]!r} {p[2]!r}\n" for i, p in enumerate(points))
-
-
-def write_smesh(path, points, facets):
-    write_node(path, points)
-    with open(path, "a", encoding="ascii") as f:
-        f.write(f"{len(facets)} 0\n")
-        f.writelines(f"{len(c)} {' '.join(map(str, c))}\n" for c in facets)
-        f.write("0\n0\n")
-
-
-def line_and_circle(n):
-    """n points on a line through n on a circle, and a box's surface of 4 x 4 x 4 points."""
-    points = [(0.0, 0.0, -1 + (2 * i + 1) / n) for i in range(n)]
-    points += [(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n), 0.0) for i in range(n)]
+def boxed_line_and_circle(n):
+    """Those points, and a box's surface of 4 x 4 x 4 points."""
     ticks = [-2.0, -2 / 3, 2 / 3, 2.0]
-    return points + [p for x in ticks for y in ticks for z in ticks if max(map(abs, p := (x, y, z))) == 2]
+    return line_and_circle(n) + [p for x in ticks for y in ticks for z in ticks if max(map(abs, p := (x, y, z))) == 2]
 
 
 def sphere(n):
@@ -109,15 +92,6 @@ def tetgen(path, bound):
     return int(found.group(1)) if found and done.returncode == 0 else None
 
 
-def as_tetgen(b, model):
-    """A surface model with one marker for each coplanar group, so that TetGen keeps its facets."""
-    if model.suffix == ".smesh":
-        return model
-    path = b.scratch / (model.stem + ".smesh")
-    script = model.parents[2] / "judge/tosmesh.py"
-    return path if subprocess.run([sys.executable, script, model, path], check=False).returncode == 0 else model
-
-
 def told(number):
     return "-" if number is None else str(number)
 
@@ -125,7 +99,7 @@ def told(number):
 def insertion_orders(b):
     n = b.sized(1000)
     path = b.scratch / "line_and_circle.node"
-    points = line_and_circle(n)
+    points = boxed_line_and_circle(n)
     write_node(path, points)
     box = b.scratch / "line_and_circle.smesh"
     corner = {p: i for i, p in enumerate(points)}
@@ -143,7 +117,7 @@ def insertion_orders(b):
 def order_models(b, models):
     print("Table 3.4: nodes at bound 2.0 by insertion order (the thesis's models are not public)")
     for name in ORDER_MODELS:
-        print(f"  {name}, TetGen 1.5: {told(tetgen(as_tetgen(b, models / name), 2.0))}")
+        print(f"  {name}, TetGen 1.5: {told(tetgen(as_tetgen(models / name, b.scratch), 2.0))}")
         for order in ORDERS:
             said = ours(b, models / name, "--min-dihedral", "0", "--order", order)
             print(f"    {order:<17}{said['points']:>7} nodes {said['tets']:>7} tetrahedra,"
@@ -166,7 +140,7 @@ def steiner_points_per_sliver(b, models):
     for name, (slivers, spent) in PER_SLIVER.items():
         print(f"  thesis, {name:<22}{slivers:>5} slivers {spent:>5} points {spent / slivers:5.2f} each")
     path = b.scratch / "line_and_circle.node"
-    write_node(path, line_and_circle(b.sized(1000)))
+    write_node(path, boxed_line_and_circle(b.sized(1000)))
     named = [models / name for name in SLIVER_MODELS] if models else []
     for path in [path, *named]:
         said = ours(b, path, "--min-dihedral", "5")
