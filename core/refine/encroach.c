@@ -92,17 +92,24 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
   return status;
 }
 
+/* The subsegment at edge e of tetrahedron t, if one of its other two corners encroaches upon it, or
+ * TET_NONE. */
+uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  if (!(r->tet_edges[t] >> e & 1)) return TET_NONE;
+  uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
+  if (tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][0]]) >= 0 &&
+      tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][1]]) >= 0) return TET_NONE;
+  return refine_find_seg(r, a, b);
+}
+
 static tet_status queue_hit_segs(refiner *r, uint32_t n) {
-  const uint32_t *v = r->mesh.v + 4 * (size_t)n;
-  for (int e = 0; e < 6; e++) {
-    if (!(r->tet_edges[n] >> e & 1)) continue;
-    uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-    if (tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][0]]) >= 0 &&
-        tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][1]]) >= 0) continue;
-    tet_status status = refine_queue_seg(r, refine_find_seg(r, a, b));
-    if (status) return status;
+  tet_status status = TET_OK;
+  for (int e = 0; e < 6 && !status; e++) {
+    uint32_t seg = refine_hit_seg(r, n, e);
+    if (seg != TET_NONE) status = refine_queue_seg(r, seg);
   }
-  return TET_OK;
+  return status;
 }
 
 /* Queues what the new tetrahedron n leaves to do: itself, and subsegments and

@@ -113,23 +113,26 @@ tet_status refine_list_exceptions(refiner *r) {
 }
 
 /* Looks at every face once more: where facets are bent by rounding, the cavities on their two
- * sides can leave some that are not Delaunay. */
+ * sides can leave some that are not Delaunay; where none is, none can be (5.1.4). */
 tet_status refine_check_delaunay(refiner *r) {
+  if (r->exact) return TET_OK;
   tet_status status = tet_complex_count_broken(&r->mesh, &r->result.n_not_delaunay);
   r->result.constrained_delaunay = !r->result.n_not_delaunay;
   return status;
 }
 
-/* Looks at every subface and subsegment once more. */
+/* Looks at every subface and subsegment once more, at these from each tetrahedron around. */
 tet_status refine_check_gabriel(refiner *r) {
   tet_refine_result *ret = &r->result;
   ret->gabriel = 1;
-  for (uint32_t e = 0; e < r->n_segs && ret->gabriel; e++) {
-    uint32_t by;
-    if (r->out->segment[r->seg_of[e]].crease) continue; /* not promised */
-    tet_status status = refine_seg_encroached(r, e, &by);
+  for (uint32_t t = 0; t < r->mesh.n_slots && ret->gabriel; t++) {
+    if (!refine_alive(r, t) || !(r->tet_edges[t] & EDGES)) continue;
+    for (int e = 0; e < 6 && ret->gabriel; e++) {
+      uint32_t seg = refine_hit_seg(r, t, e);
+      ret->gabriel = seg == TET_NONE || r->out->segment[r->seg_of[seg]].crease; /* not promised there */
+    }
+    tet_status status = (t & 4095) == 0 ? tet_poll(r->ctx) : TET_OK;
     if (status) return status;
-    ret->gabriel = by == TET_NONE;
   }
   for (uint32_t s = 0; s < r->n_subs && ret->gabriel; s++)
     ret->gabriel = r->sub_v[3 * (size_t)s] == TET_NONE || !refine_sub_encroached(r, s);

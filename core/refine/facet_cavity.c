@@ -55,6 +55,7 @@ int refine_facet_cavity_trim(refiner *r) {
       int ok = 1;
       for (uint32_t h = 3 * s; h < 3 * s + 3 && ok; h++) ok = !on_rim(r, h) || sees(r, h);
       if (!ok && r->sub_mark[s] & 2) {
+        r->exact = 0;
         for (; k < c->subs.n; k++) c->subs.at[n++] = c->subs.at[k];
         c->subs.n = n;
         return 0;
@@ -63,6 +64,7 @@ int refine_facet_cavity_trim(refiner *r) {
         c->subs.at[n++] = s;
       } else {
         r->sub_mark[s] &= (uint8_t)~1;
+        r->exact = 0;
         again = 1;
       }
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* flatness.c: what lies on one segment or one facet, decided by incidence.
  * Rounded Steiner points are off their line or plane by some last bits, so signs
- * cannot tell; a tetrahedron of four such points has a volume of nothing. */
+ * cannot tell; a tetrahedron of four such points has a volume of nothing. And whether any point
+ * is off, by signs. */
 #include "refine/refiner.h"
 
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet) {
@@ -70,5 +71,32 @@ int refine_is_positive(const refiner *r, const uint32_t v[4]) {
     uint32_t w[4] = {v[i], v[(i + 1) % 4], v[(i + 2) % 4], v[(i + 3) % 4]};
     if (refine_is_flat(r, w)) return 0;
   }
+  return 1;
+}
+
+/* 1 if every patch is flat to the last bit. */
+int refine_facets_are_flat(const refiner *r) {
+  for (uint32_t h = 0; h < 3 * r->n_subs; h++) {
+    uint32_t g = r->ring[h];
+    if (r->sub_v[3 * (h / 3)] == TET_NONE || r->sub_seg[h] != TET_NONE || g < h) continue;
+    const uint32_t *v = r->sub_v + 3 * (size_t)(h / 3);
+    if (tet_orient3d(&r->points, v[0], v[1], v[2], r->sub_v[3 * (g / 3) + (g + 2) % 3]) != 0) return 0;
+  }
+  return 1;
+}
+
+/* 1 if the trimmed cavity is the conflict region of its point, which lies exactly in what it
+ * splits. */
+int refine_cavity_is_exact(const refiner *r) {
+  const refine_cavity *c = &r->cavity;
+  if (c->reshaped) return 0;
+  for (uint32_t k = 0; k < c->subs.n; k++) {
+    const uint32_t *v = r->sub_v + 3 * (size_t)c->subs.at[k];
+    if (tet_orient3d(&r->points, v[0], v[1], v[2], c->p) != 0) return 0;
+  }
+  if (c->segment == TET_NONE) return 1;
+  uint32_t a = r->seg_v[2 * (size_t)c->segment], b = r->seg_v[2 * (size_t)c->segment + 1];
+  for (int axis = 0; axis < 3; axis++)
+    if (tet_orient2d(&r->points, axis, a, b, c->p) != 0) return 0;
   return 1;
 }

@@ -126,7 +126,9 @@ static tet_status remove_slivers(refiner *r) {
 static tet_status run(refiner *r) {
   enum { LEAST_THIN_POINTS = 500 };
   r->thin_points = (uint64_t)(r->o.thin_points * r->n_first) + LEAST_THIN_POINTS;
-  tet_status status = queue_encroached(r);
+  tet_status status = refine_check_delaunay(r);
+  r->exact = !r->result.n_not_delaunay && refine_facets_are_flat(r);
+  if (!status) status = queue_encroached(r);
   if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */
   if (!status) status = queue_bad(r);
   if (!status) status = converge(r);

@@ -181,6 +181,7 @@ typedef struct refiner {
   size_t cap_seg_queue, cap_sub_queue;
   int watch_tets;      /* 1: R3 has begun */
   int watch_slivers;   /* 1: slivers are removed */
+  int exact;           /* 1: facets are flat and segments straight to the last bit, every cavity was its conflict region */
   int forcing;         /* 1: a face cannot be Delaunay: no ball protects, no gap is too narrow */
   int picking;         /* 1: a sliver is being split: points go near where others would */
   int tracing;         /* 1: nothing is inserted; who rejects is noted */
@@ -256,6 +257,8 @@ int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g);
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
 int refine_is_positive(const refiner *r, const uint32_t v[4]);
+int refine_facets_are_flat(const refiner *r);
+int refine_cavity_is_exact(const refiner *r);
 
 /* cavity.c, facet_cavity.c, sound.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
@@ -281,6 +284,7 @@ void refine_replace_edge(refiner *r, uint32_t h, uint32_t by);
 /* encroach.c */
 int refine_seg_hit_by(const refiner *r, uint32_t e, uint32_t vertex);
 int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex);
+uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e);
 tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_hits(refiner *r, int subfaces);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* sizing.c: the sizing function H_1 of (4.5) and the point accepting rule (4.1.4).
  *
- * lfs at the vertices of the CDT, by a tree of boxes over subfaces and
- * subsegments, polytopes through the vertex excluded; Shepard's interpolation of
+ * lfs at the vertices of the CDT, by a tree of boxes over subfaces, whose subsegments come with
+ * them, and loose subsegments, polytopes through the vertex excluded; Shepard's interpolation of
  * the neighbours at new ones; never an exact lfs there. */
 #include "base/hilbert.h"
 #include "base/sort.h"
@@ -22,6 +22,11 @@ typedef struct box_tree {
   uint32_t n, n_leaves, first_leaf;
 } box_tree;
 
+/* 0: a subsegment of some facet. */
+static int is_element(const refiner *r, uint32_t id) {
+  return id < r->n_subs ? r->sub_v[3 * (size_t)id] != TET_NONE : r->seg_sub[id - r->n_subs] == TET_NONE;
+}
+
 static void element_corners(const refiner *r, uint64_t id, uint32_t v[3]) {
   if (id < r->n_subs) {
     memcpy(v, r->sub_v + 3 * id, 3 * sizeof *v);
@@ -40,7 +45,8 @@ static void widen(double box[6], const double *low, const double *high) {
 }
 
 static tet_status build_tree(refiner *r, box_tree *tree) {
-  uint32_t n = r->n_subs + r->n_segs, leaves = 1;
+  uint32_t n = 0, all = r->n_subs + r->n_segs, leaves = 1;
+  for (uint32_t i = 0; i < all; i++) n += is_element(r, i);
   while (leaves * LEAF < n) leaves *= 2;
   tree->n = n;
   tree->n_leaves = leaves;
@@ -49,12 +55,13 @@ static tet_status build_tree(refiner *r, box_tree *tree) {
   tree->box = tet_alloc(r->ctx, 2 * (size_t)leaves, sizeof *tree->box);
   if (!tree->element || !tree->box) return TET_E_MEMORY;
   tet_hilbert_box bound = tet_hilbert_bound(r->points.x, NULL, r->n_first);
-  for (uint32_t i = 0; i < n; i++) {
+  for (uint32_t i = 0, at = 0; i < all; i++) {
     uint32_t v[3];
     double c[3];
+    if (!is_element(r, i)) continue;
     element_corners(r, i, v);
     for (int k = 0; k < 3; k++) c[k] = (refine_x(r, v[0])[k] + refine_x(r, v[1])[k] + refine_x(r, v[2])[k]) / 3;
-    tree->element[i] = (tet_keyed){tet_hilbert_key(&bound, c), i};
+    tree->element[at++] = (tet_keyed){tet_hilbert_key(&bound, c), i};
   }
   tet_sort_keyed(tree->element, n);
   for (uint32_t k = 0; k < 2 * leaves; k++)
@@ -126,9 +133,26 @@ static double triangle_distance2(const double *a, const double *b, const double 
   return least;
 }
 
-static int meets(const refiner *r, uint32_t v, uint64_t element) {
-  if (element < r->n_subs) return refine_on_facet(r, v, r->patch[r->sub_patch[element]].facet);
-  return refine_on_segment(r, v, r->seg_of[element - r->n_subs]);
+/* The least of `least` and the squared distances of vertex v from what does not meet it: the subface's
+ * facet, or if that does the subsegments at it; or the loose subsegment. */
+static double element_distance2(const refiner *r, uint64_t id, uint32_t v, double least) {
+  const double *x = refine_x(r, v);
+  uint32_t w[3];
+  element_corners(r, id, w);
+  if (id >= r->n_subs) {
+    double d = refine_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
+    return d < least && !refine_on_segment(r, v, r->seg_of[id - r->n_subs]) ? d : least;
+  }
+  double d = triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
+  if (!(d < least)) return least;
+  if (!refine_on_facet(r, v, r->patch[r->sub_patch[id]].facet)) return d;
+  for (int j = 0; j < 3; j++) {
+    uint32_t e = r->sub_seg[3 * id + (unsigned)j];
+    if (e == TET_NONE || refine_on_segment(r, v, r->seg_of[e])) continue;
+    d = refine_edge_distance2(refine_x(r, w[j]), refine_x(r, w[(j + 1) % 3]), x);
+    if (d < least) least = d;
+  }
+  return least;
 }
 
 /* The least squared distance, below `least`, of vertex v from an element that
@@ -147,14 +171,8 @@ static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, doubl
       continue;
     }
     uint32_t from = (k - tree->first_leaf) * LEAF;
-    for (uint32_t i = from; i < from + LEAF && i < tree->n; i++) {
-      uint64_t id = tree->element[i].value;
-      uint32_t w[3];
-      element_corners(r, id, w);
-      double d = id < r->n_subs ? triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x)
-                                : refine_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
-      if (d < least && !meets(r, v, id)) least = d;
-    }
+    for (uint32_t i = from; i < from + LEAF && i < tree->n; i++)
+      least = element_distance2(r, tree->element[i].value, v, least);
   }
   return least;
 }

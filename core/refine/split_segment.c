@@ -30,6 +30,7 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
     if (!status) status = refine_cavity_trim(r, ret_ok);
   }
   if (status || !*ret_ok) return status;
+  r->exact = r->exact && refine_cavity_is_exact(r);
   status = refine_fill(r);
   for (uint32_t k = 0; k < c->n_made && !status; k++) status = refine_look_at(r, r->mesh.cavity[k]);
   for (uint32_t k = 0; k < 4 * c->n_made && c->reshaped && !status; k++) {

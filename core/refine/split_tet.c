@@ -127,8 +127,8 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
-/* *ret = 1 where segments meet below 60 degrees and circumcentre x hits something: that is split first then,
- * as off-centres would leave more tetrahedra over the bound. */
+/* *ret = 1 where segments meet below 60 degrees and circumcentre x hits something, hit_segs and hit_subs: that
+ * is split first then, as off-centres would leave more tetrahedra over the bound. */
 static tet_status centre_first(refiner *r, uint32_t t, const double x[3], int *ret) {
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   int acute = 0;
@@ -161,7 +161,8 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
   if (is_off) status = centre_first(r, t, centre, &last);
   if (!status && is_off && !last) status = try_point(r, t, x, 0, ret);
   uint64_t noise = r->result.rejected.outside;
-  if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
+  if (!status && last) status = split_hits(r, ret);
+  else if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
   if (!status && noise != r->result.rejected.outside) {
     face_centre(r, t, x);
     refine_pick(r, shape->shortest2, x);
