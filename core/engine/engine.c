@@ -47,7 +47,7 @@ static tet_promise promise(const tet_options *options, const tet_build_result *b
     p.gabriel = refined->gabriel;
     p.delaunay = refined->gabriel && refined->constrained_delaunay; /* Gabriel faces are Delaunay */
     p.radius_edge = options->radius_edge;
-    p.radius_edge_proven = options->radius_edge >= 1.414;
+    p.radius_edge_proven = tet_refine_is_proven(options->radius_edge);
     p.max_volume = options->max_volume;
     p.min_dihedral = options->min_dihedral;
     p.region_volumes = 1;

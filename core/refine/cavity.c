@@ -10,7 +10,7 @@ static void start(refiner *r, uint32_t p) {
   c->p = p;
   c->segment = c->sub = TET_NONE;
   c->reshaped = c->restar = 0;
-  c->is_listed = 0;
+  c->is_listed = c->loses_vertex = 0;
   c->n_made = c->n_spokes = 0;
   c->removed.n = 0;
   c->subs.n = c->rim.n = c->rim_new.n = c->vertices.n = 0;
@@ -313,7 +313,7 @@ tet_status refine_cavity_trim(refiner *r, int *ret_ok) {
   } while (pass > 0);
   if (status || pass < 0) return status;
   forget_removed(r);
-  if (!c->is_listed) status = refine_cavity_vertices(r);
+  if (!c->is_listed && (c->reshaped || c->subs.n || refine_needs_sizes(r))) status = refine_cavity_vertices(r);
   *ret_ok = !c->loses_vertex && !has_two_sided_spoke(r);
   if (status || !c->subs.n || !*ret_ok) return status;
   status = refine_facet_cavity_rim(r);

@@ -15,6 +15,9 @@
 
 enum { TET_REFINE_MOST_DIHEDRAL = 30 }; /* degrees */
 
+/* 1 if refinement to this bound ends by itself away from sharp segments (3.3.1): 1.414 counts as sqrt(2). */
+static inline int tet_refine_is_proven(double radius_edge) { return radius_edge >= 1.414; }
+
 typedef struct tet_refine_options {
   double radius_edge; /* bound rho_0, >= 1 */
   double max_volume;  /* of every tetrahedron; 0: none. Regions: pieces->region_max_volume */

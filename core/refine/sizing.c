@@ -241,6 +241,12 @@ int refine_is_thin(const refiner *r, uint32_t p) {
   return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : refine_segment_is_thin(r, carrier);
 }
 
+/* 0 where nothing is rejected, as nothing need be (3.3.1): without a sharp segment, at a bound with that
+ * guarantee, while points lie where they ought to. The floor guards the other cases. */
+int refine_needs_sizes(const refiner *r) {
+  return !r->exact || r->n_sharp || r->picking || !tet_refine_is_proven(r->o.radius_edge);
+}
+
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
  * `vertices`, of alpha times their size. What existing vertices force (R1* (2),
  * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it

@@ -59,9 +59,10 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
   if (!hit) {
-    status = refine_cavity_vertices(r);
+    int watched = refine_needs_sizes(r);
+    if (watched) status = refine_cavity_vertices(r);
     if (status) return status;
-    if (!refine_accepts(r, p, c->vertices.at, c->vertices.n, 0, CAUSE_CENTRE)) {
+    if (watched && !refine_accepts(r, p, c->vertices.at, c->vertices.n, 0, CAUSE_CENTRE)) {
       r->result.rejected.protected_ball++;
     } else {
       status = refine_insert(r, &ok);
