@@ -76,11 +76,52 @@ static tet_status replace_sub(refiner *r, uint32_t s) {
   return refine_push(r, &r->cavity.subs, s);
 }
 
+static int is_listed(const refine_list *list, uint32_t value) {
+  for (uint32_t k = 0; k < list->n; k++)
+    if (list->at[k] == value) return 1;
+  return 0;
+}
+
+/* 1 if a replaced subface is beside u, and no subsegment between them. */
+static int is_beside_replaced(const refiner *r, uint32_t u) {
+  for (uint32_t h = 3 * u; h < 3 * u + 3; h++)
+    if (r->sub_seg[h] == TET_NONE && r->sub_mark[r->ring[h] / 3] & 1) return 1;
+  return 0;
+}
+
+/* Replaces all subfaces of the patch at flat tetrahedra beside those replaced: a crease that is none
+ * but for last bits leaves such, and a point on the facet can make none of them anew. */
+static tet_status replace_flat(refiner *r) {
+  const tet_complex *m = &r->mesh;
+  refine_list *flat = &r->star;
+  tet_status status = TET_OK;
+  flat->n = 0;
+  for (uint32_t k = 0, done = 0; k < r->cavity.subs.n && !status; k++) {
+    uint32_t s = r->cavity.subs.at[k], facet = r->patch[r->sub_patch[s]].facet;
+    for (int side = 0; side < 2 && !status; side++) {
+      uint32_t h = r->sub_side[2 * (size_t)s + side];
+      if (h != TET_NONE && !is_listed(flat, h >> 2) && refine_all_on_facet(r, m->v + (h & ~(size_t)3), facet))
+        status = refine_push(r, flat, h >> 2);
+    }
+    for (; done < flat->n && !status; done++)
+      for (uint32_t h = 4 * flat->at[done]; h < 4 * flat->at[done] + 4 && !status; h++) {
+        uint32_t u = refine_sub_at(r, h), t = m->adj[h] >> 2;
+        if (u != TET_NONE) {
+          if (is_beside_replaced(r, u)) status = replace_sub(r, u);
+        } else if (!is_listed(flat, t) && refine_all_on_facet(r, m->v + 4 * (size_t)t, facet)) {
+          status = refine_push(r, flat, t);
+        }
+      }
+  }
+  return status;
+}
+
 /* The cavity of a point in `sub`; `least`: of no more than what it splits. */
 tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least) {
   start(r, p);
   r->cavity.sub = sub;
   tet_status status = replace_sub(r, sub);
+  if (!status) status = replace_flat(r);
   if (!status && !least) status = refine_facet_cavity_grow(r);
   if (status) return status;
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
@@ -96,6 +137,7 @@ tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least)
     if (!status) status = replace_sub(r, h / 3);
     h = r->ring[h];
   } while (h != first);
+  if (!status) status = replace_flat(r);
   if (!status && !least) status = refine_facet_cavity_grow(r);
   if (status) return status;
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);

@@ -254,6 +254,7 @@ int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment);
 int refine_segments_meet(const refiner *r, uint32_t s, uint32_t t);
 int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g);
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
+int refine_all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
 int refine_is_positive(const refiner *r, const uint32_t v[4]);
 
