@@ -36,19 +36,6 @@ tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet) {
   return status ? status : tet_complex_grow(&r->mesh, p);
 }
 
-/* For vertex p anew: its tetrahedra from `tet` on, up to subfaces, which stay, and
- * all in conflict with it. */
-tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet) {
-  tet_complex *m = &r->mesh;
-  start(r, p);
-  r->cavity.restar = 1;
-  tet_status status = add_tet(r, tet, FLAG_NEEDED);
-  for (size_t k = 0; k < m->n_cavity && !status; k++)
-    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++)
-      if (refine_sub_at(r, h) == TET_NONE && m->v[h] != p) status = add_tet(r, m->adj[h] >> 2, FLAG_NEEDED);
-  return status ? status : tet_complex_grow(m, p);
-}
-
 /* Adds what the new point splits, in conflict with it or, by rounding and ties, not. */
 static tet_status add_needed(refiner *r, uint32_t t) {
   if (r->mesh.flag[t] & TET_FLAG_CAVITY) return TET_OK;
@@ -191,13 +178,39 @@ static int sees(const refiner *r, uint32_t h) {
   return r->out->origin[w[0]] == TET_ORIGIN_VOLUME || !refine_is_flat(r, w);
 }
 
-/* One pass over the border: 1 if the cavity was changed, -1 if it cannot be made visible. */
+/* For vertex p anew: its tetrahedra from `tet` on, up to subfaces, which stay, and
+ * all in conflict with it. *ret_ok = 0, and the search ends, at a border face that p does not
+ * see: most stars of vertices with many tetrahedra end so, and after few of them. */
+tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_ok) {
+  tet_complex *m = &r->mesh;
+  start(r, p);
+  r->cavity.restar = 1;
+  *ret_ok = 0;
+  tet_status status = add_tet(r, tet, FLAG_NEEDED);
+  for (size_t k = 0; k < m->n_cavity && !status; k++)
+    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++)
+      if (refine_sub_at(r, h) == TET_NONE && m->v[h] != p) status = add_tet(r, m->adj[h] >> 2, FLAG_NEEDED);
+  for (size_t k = 0; k < m->n_cavity && !status; k++)
+    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++) {
+      if (!refine_is_border(r, h)) continue;
+      if (refine_sub_at(r, h) == TET_NONE && tet_complex_conflict(m, m->adj[h] >> 2, p))
+        status = add_tet(r, m->adj[h] >> 2, 0);
+      else if (!sees(r, h))
+        return TET_OK;
+    }
+  *ret_ok = 1;
+  return status;
+}
+
+/* One pass over the border: 1 if the cavity was changed, -1 if it cannot be made visible; a
+ * vertex's star made anew may not be changed. */
 static int trim_pass(refiner *r, tet_status *ret_status) {
   tet_complex *m = &r->mesh;
   int changed = 0;
   for (size_t k = 0; k < m->n_border; k++) {
     uint32_t h = m->border[k].inner, t = h >> 2;
     if (!(m->flag[t] & TET_FLAG_CAVITY) || !refine_is_border(r, h) || sees(r, h)) continue;
+    if (r->cavity.restar) return -1;
     changed = 1;
     if (!(m->flag[t] & FLAG_NEEDED)) {
       *ret_status = take_out(r, t);
@@ -235,7 +248,7 @@ static int keep_edge(refiner *r, uint32_t a, uint32_t b, tet_status *ret_status)
     }
     if (behind) far = t;
   }
-  if (far == TET_NONE) return -1;
+  if (far == TET_NONE || r->cavity.restar) return -1;
   *ret_status = take_out(r, far);
   return *ret_status ? -1 : 1;
 }

@@ -260,7 +260,7 @@ int refine_is_positive(const refiner *r, const uint32_t v[4]);
 
 /* cavity.c, facet_cavity.c, sound.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
-tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet);
+tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_ok);
 tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least);
 tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least);
 tet_status refine_cavity_vertices(refiner *r);
