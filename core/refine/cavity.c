@@ -30,10 +30,10 @@ static tet_status add_tet(refiner *r, uint32_t t, uint8_t flag) {
   return TET_OK;
 }
 
+/* Of `tet` alone, to be grown. */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet) {
   start(r, p);
-  tet_status status = add_tet(r, tet, FLAG_NEEDED);
-  return status ? status : tet_complex_grow(&r->mesh, p);
+  return add_tet(r, tet, FLAG_NEEDED);
 }
 
 /* Adds what the new point splits, in conflict with it or, by rounding and ties, not. */
