@@ -152,6 +152,9 @@ tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done);
  * face k gets slot c->cavity[k], and TET_NONE is beyond faces at p where the border is open.
  * On failure of the latter nothing is changed. */
 tet_status tet_complex_grow(tet_complex *c, uint32_t p);
+/* The same by and by: from *k = 0 on, to a cavity of about `most` tetrahedra, and *ret_more = 1 if there
+ * is more. Then it may be gone on with, or forgotten. */
+tet_status tet_complex_grow_to(tet_complex *c, uint32_t p, size_t most, size_t *k, int *ret_more);
 void tet_complex_forget(tet_complex *c);
 tet_status tet_complex_fill(tet_complex *c);
 

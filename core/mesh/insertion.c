@@ -409,12 +409,28 @@ tet_status tet_complex_insert_owned(tet_complex *c, uint32_t p, int *ret_done) {
   return TET_OK;
 }
 
+tet_status tet_complex_grow_to(tet_complex *c, uint32_t p, size_t most, size_t *k, int *ret_more) {
+  tet_status status = TET_OK;
+  *ret_more = 0;
+  if (!*k) c->n_border = 0;
+  while (status == TET_OK) {
+    size_t cap = c->cap_cavity;
+    int is_least = most < cap;
+    if (is_least) c->cap_cavity = most; /* the search sees no more room than that */
+    outcome found = search_for(c, WALLED)(c, k, p);
+    c->cap_cavity = cap;
+    if (found != ROOM) break;
+    *ret_more = is_least && most < c->n_cavity + STEP;
+    if (*ret_more) break;
+    status = make_room(c);
+  }
+  return status;
+}
+
 tet_status tet_complex_grow(tet_complex *c, uint32_t p) {
   size_t k = 0;
-  tet_status status = TET_OK;
-  c->n_border = 0;
-  while (status == TET_OK && search_for(c, WALLED)(c, &k, p) == ROOM) status = make_room(c);
-  return status;
+  int more;
+  return tet_complex_grow_to(c, p, SIZE_MAX, &k, &more);
 }
 
 tet_status tet_complex_fill(tet_complex *c) {

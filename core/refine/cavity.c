@@ -30,23 +30,10 @@ static tet_status add_tet(refiner *r, uint32_t t, uint8_t flag) {
   return TET_OK;
 }
 
+/* Of `tet` alone, to be grown. */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet) {
   start(r, p);
-  tet_status status = add_tet(r, tet, FLAG_NEEDED);
-  return status ? status : tet_complex_grow(&r->mesh, p);
-}
-
-/* For vertex p anew: its tetrahedra from `tet` on, up to subfaces, which stay, and
- * all in conflict with it. */
-tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet) {
-  tet_complex *m = &r->mesh;
-  start(r, p);
-  r->cavity.restar = 1;
-  tet_status status = add_tet(r, tet, FLAG_NEEDED);
-  for (size_t k = 0; k < m->n_cavity && !status; k++)
-    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++)
-      if (refine_sub_at(r, h) == TET_NONE && m->v[h] != p) status = add_tet(r, m->adj[h] >> 2, FLAG_NEEDED);
-  return status ? status : tet_complex_grow(m, p);
+  return add_tet(r, tet, FLAG_NEEDED);
 }
 
 /* Adds what the new point splits, in conflict with it or, by rounding and ties, not. */
@@ -76,11 +63,52 @@ static tet_status replace_sub(refiner *r, uint32_t s) {
   return refine_push(r, &r->cavity.subs, s);
 }
 
+static int is_listed(const refine_list *list, uint32_t value) {
+  for (uint32_t k = 0; k < list->n; k++)
+    if (list->at[k] == value) return 1;
+  return 0;
+}
+
+/* 1 if a replaced subface is beside u, and no subsegment between them. */
+static int is_beside_replaced(const refiner *r, uint32_t u) {
+  for (uint32_t h = 3 * u; h < 3 * u + 3; h++)
+    if (r->sub_seg[h] == TET_NONE && r->sub_mark[r->ring[h] / 3] & 1) return 1;
+  return 0;
+}
+
+/* Replaces all subfaces of the patch at flat tetrahedra beside those replaced: a crease that is none
+ * but for last bits leaves such, and a point on the facet can make none of them anew. */
+static tet_status replace_flat(refiner *r) {
+  const tet_complex *m = &r->mesh;
+  refine_list *flat = &r->star;
+  tet_status status = TET_OK;
+  flat->n = 0;
+  for (uint32_t k = 0, done = 0; k < r->cavity.subs.n && !status; k++) {
+    uint32_t s = r->cavity.subs.at[k], facet = r->patch[r->sub_patch[s]].facet;
+    for (int side = 0; side < 2 && !status; side++) {
+      uint32_t h = r->sub_side[2 * (size_t)s + side];
+      if (h != TET_NONE && !is_listed(flat, h >> 2) && refine_all_on_facet(r, m->v + (h & ~(size_t)3), facet))
+        status = refine_push(r, flat, h >> 2);
+    }
+    for (; done < flat->n && !status; done++)
+      for (uint32_t h = 4 * flat->at[done]; h < 4 * flat->at[done] + 4 && !status; h++) {
+        uint32_t u = refine_sub_at(r, h), t = m->adj[h] >> 2;
+        if (u != TET_NONE) {
+          if (is_beside_replaced(r, u)) status = replace_sub(r, u);
+        } else if (!is_listed(flat, t) && refine_all_on_facet(r, m->v + 4 * (size_t)t, facet)) {
+          status = refine_push(r, flat, t);
+        }
+      }
+  }
+  return status;
+}
+
 /* The cavity of a point in `sub`; `least`: of no more than what it splits. */
 tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least) {
   start(r, p);
   r->cavity.sub = sub;
   tet_status status = replace_sub(r, sub);
+  if (!status) status = replace_flat(r);
   if (!status && !least) status = refine_facet_cavity_grow(r);
   if (status) return status;
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
@@ -96,6 +124,7 @@ tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least)
     if (!status) status = replace_sub(r, h / 3);
     h = r->ring[h];
   } while (h != first);
+  if (!status) status = replace_flat(r);
   if (!status && !least) status = refine_facet_cavity_grow(r);
   if (status) return status;
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
@@ -149,13 +178,39 @@ static int sees(const refiner *r, uint32_t h) {
   return r->out->origin[w[0]] == TET_ORIGIN_VOLUME || !refine_is_flat(r, w);
 }
 
-/* One pass over the border: 1 if the cavity was changed, -1 if it cannot be made visible. */
+/* For vertex p anew: its tetrahedra from `tet` on, up to subfaces, which stay, and
+ * all in conflict with it. *ret_ok = 0, and the search ends, at a border face that p does not
+ * see: most stars of vertices with many tetrahedra end so, and after few of them. */
+tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_ok) {
+  tet_complex *m = &r->mesh;
+  start(r, p);
+  r->cavity.restar = 1;
+  *ret_ok = 0;
+  tet_status status = add_tet(r, tet, FLAG_NEEDED);
+  for (size_t k = 0; k < m->n_cavity && !status; k++)
+    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++)
+      if (refine_sub_at(r, h) == TET_NONE && m->v[h] != p) status = add_tet(r, m->adj[h] >> 2, FLAG_NEEDED);
+  for (size_t k = 0; k < m->n_cavity && !status; k++)
+    for (uint32_t h = 4 * m->cavity[k]; h < 4 * m->cavity[k] + 4 && !status; h++) {
+      if (!refine_is_border(r, h)) continue;
+      if (refine_sub_at(r, h) == TET_NONE && tet_complex_conflict(m, m->adj[h] >> 2, p))
+        status = add_tet(r, m->adj[h] >> 2, 0);
+      else if (!sees(r, h))
+        return TET_OK;
+    }
+  *ret_ok = 1;
+  return status;
+}
+
+/* One pass over the border: 1 if the cavity was changed, -1 if it cannot be made visible; a
+ * vertex's star made anew may not be changed. */
 static int trim_pass(refiner *r, tet_status *ret_status) {
   tet_complex *m = &r->mesh;
   int changed = 0;
   for (size_t k = 0; k < m->n_border; k++) {
     uint32_t h = m->border[k].inner, t = h >> 2;
     if (!(m->flag[t] & TET_FLAG_CAVITY) || !refine_is_border(r, h) || sees(r, h)) continue;
+    if (r->cavity.restar) return -1;
     changed = 1;
     if (!(m->flag[t] & FLAG_NEEDED)) {
       *ret_status = take_out(r, t);
@@ -193,7 +248,7 @@ static int keep_edge(refiner *r, uint32_t a, uint32_t b, tet_status *ret_status)
     }
     if (behind) far = t;
   }
-  if (far == TET_NONE) return -1;
+  if (far == TET_NONE || r->cavity.restar) return -1;
   *ret_status = take_out(r, far);
   return *ret_status ? -1 : 1;
 }

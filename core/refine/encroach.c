@@ -6,6 +6,8 @@
 
 #include <math.h>
 
+enum { FIRST_LOOK = 128 }; /* tetrahedra of a cavity */
+
 /* Cosine of the angle at v over ab, about. */
 static double cosine_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) {
   const double *x = refine_x(r, a), *y = refine_x(r, b), *z = refine_x(r, v);
@@ -65,15 +67,11 @@ static tet_status push_new(refiner *r, refine_list *list, uint32_t value) {
   return refine_push(r, list, value);
 }
 
-/* The subsegments, and if asked for the subfaces, at the grown cavity that its
- * point encroaches upon or, being beyond it, cannot be seen from: the first few of each, for the
- * search began near the point's cause, and no more are tried. */
-tet_status refine_collect_hits(refiner *r, int subfaces) {
+/* refine_collect_hits of the cavity's tetrahedra from the one numbered `from` on. */
+static tet_status collect(refiner *r, size_t from, int subfaces) {
   const refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
-  r->hit_segs.n = 0;
-  if (subfaces) r->hit_subs.n = 0;
-  for (uint32_t k = 0; k < r->mesh.n_cavity && r->hit_segs.n < MOST_TRIED && !status; k++) {
+  for (size_t k = from; k < r->mesh.n_cavity && r->hit_segs.n < MOST_TRIED && !status; k++) {
     uint32_t t = r->mesh.cavity[k];
     const uint32_t *v = r->mesh.v + 4 * (size_t)t;
     for (int e = 0; e < 6 && r->tet_edges[t] & EDGES && !status; e++) {
@@ -101,6 +99,31 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e) {
   if (tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][0]]) >= 0 &&
       tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][1]]) >= 0) return TET_NONE;
   return refine_find_seg(r, a, b);
+}
+
+/* The subsegments, and if asked for the subfaces, at the grown cavity that its
+ * point encroaches upon or, being beyond it, cannot be seen from: the first few of each, for the
+ * search began near the point's cause, and no more are tried. */
+tet_status refine_collect_hits(refiner *r, int subfaces) {
+  r->hit_segs.n = 0;
+  if (subfaces) r->hit_subs.n = 0;
+  return collect(r, 0, subfaces);
+}
+
+/* Grows the cavity of p from `tet`, and collects what p hits. As soon as no more would be tried the
+ * cavity is left as it is, for it is not going to be filled: one of a circumcentre far off can have most of
+ * the mesh. */
+tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet) {
+  size_t k = 0, seen = 0;
+  int more = 1;
+  r->hit_segs.n = r->hit_subs.n = 0;
+  tet_status status = refine_cavity_of_tet(r, p, tet);
+  for (size_t most = FIRST_LOOK; more && r->hit_segs.n < MOST_TRIED && !status; most *= 2) {
+    status = tet_complex_grow_to(&r->mesh, p, most, &k, &more);
+    if (!status) status = collect(r, seen, 1);
+    seen = r->mesh.n_cavity;
+  }
+  return status;
 }
 
 static tet_status queue_hit_segs(refiner *r, uint32_t n) {

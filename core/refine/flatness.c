@@ -43,7 +43,7 @@ int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g) {
   return 0;
 }
 
-static int all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet) {
+int refine_all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet) {
   return refine_on_facet(r, v[0], facet) && refine_on_facet(r, v[1], facet) && refine_on_facet(r, v[2], facet) &&
          refine_on_facet(r, v[3], facet);
 }
@@ -53,13 +53,13 @@ static int all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet) {
 int refine_is_flat(const refiner *r, const uint32_t v[4]) {
   uint8_t origin = r->out->origin[v[0]];
   uint32_t carrier = r->out->carrier[v[0]];
-  if (origin == TET_ORIGIN_FACET) return all_on_facet(r, v, carrier);
+  if (origin == TET_ORIGIN_FACET) return refine_all_on_facet(r, v, carrier);
   if (origin == TET_ORIGIN_SEGMENT) {
     int on = 0;
     for (int i = 0; i < 4; i++) on += refine_on_segment(r, v[i], carrier);
     if (on > 2) return 1;
     for (uint32_t i = r->segment_facet_start[carrier]; i < r->segment_facet_start[carrier + 1]; i++)
-      if (all_on_facet(r, v, r->segment_facet[i])) return 1;
+      if (refine_all_on_facet(r, v, r->segment_facet[i])) return 1;
   }
   return 0;
 }

@@ -256,6 +256,7 @@ int refine_on_segment(const refiner *r, uint32_t v, uint32_t segment);
 int refine_segments_meet(const refiner *r, uint32_t s, uint32_t t);
 int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g);
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
+int refine_all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
 int refine_is_positive(const refiner *r, const uint32_t v[4]);
 int refine_facets_are_flat(const refiner *r);
@@ -263,7 +264,7 @@ int refine_cavity_is_exact(const refiner *r);
 
 /* cavity.c, facet_cavity.c, sound.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
-tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet);
+tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_ok);
 tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least);
 tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least);
 tet_status refine_cavity_vertices(refiner *r);
@@ -289,6 +290,7 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e);
 tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_hits(refiner *r, int subfaces);
+tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet);
 tet_status refine_look_at(refiner *r, uint32_t n);
 
 /* pick.c */

@@ -240,11 +240,9 @@ static int is_delaunay(const refiner *r, uint32_t h) {
  * makes all of them locally Delaunay. */
 static tet_status restar(refiner *r, uint32_t p, uint32_t t, int *ret_ok) {
   refine_cavity *c = &r->cavity;
-  *ret_ok = 0;
-  tet_status status = refine_cavity_of_star(r, p, t);
-  if (!status) status = refine_cavity_trim(r, ret_ok);
+  tet_status status = refine_cavity_of_star(r, p, t, ret_ok);
+  if (!status && *ret_ok) status = refine_cavity_trim(r, ret_ok);
   if (status) return status;
-  if (c->reshaped) *ret_ok = 0;
   if (!*ret_ok) {
     refine_cavity_clear(r);
     return TET_OK;

@@ -101,6 +101,8 @@ static tet_status split_hit_segs(refiner *r, refine_cause cause, refine_outcome 
   return status;
 }
 
+static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
+
 /* Inserts the last point, which subface `at` holds, for subface s. */
 static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause cause, refine_outcome *ret) {
   uint32_t p = r->points.n - 1;
@@ -108,7 +110,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   tet_status status = refine_cavity_of_sub(r, p, at, 0);
   if (!status) status = refine_collect_hits(r, 0);
   if (status) return status;
-  int ok = 0;
+  int ok = 0, missed = 0;
   if (!r->hit_segs.n) {
     uint32_t now = ++r->stamp_now;
     c->vertices.n = 0;
@@ -123,7 +125,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
         (cause == CAUSE_CENTRE && refine_crowded(r, c->vertices.at, c->vertices.n))) {
       r->result.rejected.protected_ball++;
     } else if (!(r->sub_mark[s] & 1)) {
-      r->result.rejected.lost_subface++;
+      missed = 1;
     } else {
       status = refine_insert(r, &ok);
       if (!ok) r->result.rejected.lost_subface++;
@@ -138,11 +140,12 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   }
   refine_cavity_clear(r);
   refine_drop_point(r);
+  if (missed) return halve_edge(r, s, cause, ret);
   return r->hit_segs.n ? split_hit_segs(r, cause, ret) : TET_OK;
 }
 
-/* Halves the longest edge of s, for a subface whose circumcentre is beyond a subsegment that it does not
- * encroach upon. In a Delaunay triangulation of the facet, no subsegment being encroached, there is no such
+/* Halves the longest edge of s, for a subface that its circumcentre does not replace, or whose circumcentre
+ * is beyond a subsegment that it does not encroach upon. In a Delaunay triangulation of the facet, no subsegment being encroached, there is no such
  * one; where the facet's diagonals had to stay, as beside a Steiner point rounded off a crease, there may be,
  * and cutting that subsegment would bring nothing, time and again. */
 static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret) {

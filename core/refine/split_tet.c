@@ -54,8 +54,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
   }
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
-  status = refine_cavity_of_tet(r, p, t);
-  if (!status) status = refine_collect_hits(r, 1);
+  status = refine_grow_or_hit(r, p, t);
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
   if (!hit) {
@@ -128,25 +127,24 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
-/* *ret = 1 where segments meet below 60 degrees and circumcentre x hits something, hit_segs and hit_subs: that
- * is split first then, as off-centres would leave more tetrahedra over the bound. */
-static tet_status centre_first(refiner *r, uint32_t t, const double x[3], int *ret) {
+/* Where segments meet below 60 degrees and circumcentre x hits something, that is split first, as off-centres
+ * would leave more tetrahedra over the bound: then *ret_hit = 1, and *ret is what came of that. */
+static tet_status hits_first(refiner *r, uint32_t t, const double x[3], int *ret_hit, refine_outcome *ret) {
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   int acute = 0;
-  *ret = 0;
+  *ret_hit = 0;
   for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && r->acute_end[corner[i]];
   if (!acute || !is_place(x)) return TET_OK;
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
   if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) > 0) {
-    status = refine_cavity_of_tet(r, r->points.n - 1, t);
-    if (!status) status = refine_collect_hits(r, 1);
+    status = refine_grow_or_hit(r, r->points.n - 1, t);
     if (status) return status;
-    *ret = r->hit_segs.n || r->hit_subs.n;
+    *ret_hit = r->hit_segs.n || r->hit_subs.n;
     refine_cavity_clear(r);
   }
   refine_drop_point(r);
-  return TET_OK;
+  return *ret_hit ? split_hits(r, ret) : TET_OK;
 }
 
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret) {
@@ -158,18 +156,17 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
   refine_pick(r, shape->shortest2, centre);
   tet_status status = TET_OK;
   *ret = OUTCOME_REJECTED;
-  int is_off = off_centre(r, t, centre, x), last = 0;
-  if (is_off) status = centre_first(r, t, centre, &last);
-  if (!status && is_off && !last) status = try_point(r, t, x, 0, ret);
+  int is_off = off_centre(r, t, centre, x), hit = 0;
+  if (is_off) status = hits_first(r, t, centre, &hit, ret);
+  if (!status && is_off && !hit) status = try_point(r, t, x, 0, ret);
   uint64_t noise = r->result.rejected.outside;
-  if (!status && last) status = split_hits(r, ret);
-  else if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
+  if (!status && !hit && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
   if (!status && noise != r->result.rejected.outside) {
     face_centre(r, t, x);
     refine_pick(r, shape->shortest2, x);
     status = try_point(r, t, x, 1, ret);
   }
-  if (!status && *ret == OUTCOME_REJECTED && last && off_centre(r, t, centre, x))
+  if (!status && hit && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x))
     status = try_point(r, t, x, 0, ret);
   r->picking = 0;
   if (status || *ret != OUTCOME_INSERTED) return status;

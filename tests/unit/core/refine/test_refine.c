@@ -157,6 +157,48 @@ static void segments_are_not_cut_for_centres_far_beyond(void **state) {
   tet_ctx_free(ctx);
 }
 
+/* Its ends are bent by rounding: tetrahedra of nothing span their creases, which are no bounds to
+ * refinement. They go with the first subface beside them. */
+static void creases_leave_nothing_flat(void **state) {
+  (void)state;
+  static const double points[18][3] = {
+      {0.5492481791648522, -0.8120119862361025, -0.19739040476424913},
+      {0.9466987469516879, -0.2552865023264677, -0.19644409955512104},
+      {0.901178449655228, 0.42089037321516104, -0.10357941693117445},
+      {0.4339867402822384, 0.9001279654539616, 0.03775122603186107},
+      {-0.23627218809417233, 0.9581856788488363, 0.16141765077644582},
+      {-0.7959767337884438, 0.567897664062712, 0.20955496276537117},
+      {-0.9832349194470905, -0.08811597921785863, 0.1596391787323881},
+      {-0.7104265588575157, -0.7028991765223683, 0.03502644877867526},
+      {-0.10520171586678445, -0.988788037277873, -0.10597554583419669},
+      {0.7190147642616944, -0.9348716737474776, 0.780405485884287},
+      {1.11646533204853, -0.3781461898378428, 0.7813517910934151},
+      {1.0709450347520701, 0.29803068570378594, 0.8742164737173617},
+      {0.6037533253790806, 0.7772682779425865, 1.015547116680397},
+      {-0.06650560299733022, 0.8353259913374612, 1.139213541424982},
+      {-0.6262101486916016, 0.4450379765513369, 1.1873508534139072},
+      {-0.8134683343502485, -0.21097566672923374, 1.137435069380924},
+      {-0.5406599737606737, -0.8257588640337434, 1.0128223394272113},
+      {0.06456486923005766, -1.111647724789248, 0.8718203448143395}};
+  tet_ctx *ctx;
+  solid s;
+  tet_build_result built;
+  tet_refine_result r;
+  tet_refine_options o;
+  solid_regular(&s, 9, 1, unturned);
+  s.pls.points = points[0];
+  tet_refine_options_default(&o);
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
+  assert_null(pieces_fault(&built.pieces));
+  assert_int_equal(r.n_exceptions, 0);
+  assert_int_equal(r.rejected.lost_subface, 0);
+  assert_true(r.gabriel && r.constrained_delaunay);
+  tet_refine_result_free(ctx, &r);
+  tet_build_result_free(ctx, &built);
+  tet_ctx_free(ctx);
+}
+
 static void limits_leave_nothing(void **state) {
   (void)state;
   static const struct {
@@ -211,6 +253,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(box_by_volume), cmocka_unit_test(input_keeps_its_bits), cmocka_unit_test(wedges_end),
       cmocka_unit_test(segments_are_not_cut_for_centres_far_beyond),
+      cmocka_unit_test(creases_leave_nothing_flat),
       cmocka_unit_test(limits_leave_nothing), cmocka_unit_test(nonsense_is_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
