@@ -31,7 +31,7 @@ static tet_status queue_encroached(refiner *r) {
     if (!status && by != TET_NONE) status = refine_queue_seg(r, e);
   }
   for (uint32_t s = 0; s < r->n_subs && !status; s++)
-    if (refine_sub_encroached(r, s)) status = refine_queue_sub(r, s);
+    if (r->sub_v[3 * (size_t)s] != TET_NONE && refine_sub_encroached(r, s)) status = refine_queue_sub(r, s);
   return status;
 }
 
@@ -126,7 +126,8 @@ static tet_status remove_slivers(refiner *r) {
 static tet_status run(refiner *r) {
   enum { LEAST_THIN_POINTS = 500 };
   r->thin_points = (uint64_t)(r->o.thin_points * r->n_first) + LEAST_THIN_POINTS;
-  tet_status status = refine_check_delaunay(r);
+  tet_status status = refine_unbend(r);
+  if (!status) status = refine_check_delaunay(r);
   r->exact = !r->result.n_not_delaunay && refine_facets_are_flat(r);
   if (!status) status = queue_encroached(r);
   if (!status) status = drain(r); /* R1 and R2 first: few tetrahedra outlive that */

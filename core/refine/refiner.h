@@ -330,6 +330,7 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
 
 /* repair.c */
 tet_status refine_repair(refiner *r);
+tet_status refine_unbend(refiner *r);
 tet_status refine_repair_stuck(refiner *r);
 tet_status refine_repair_all(refiner *r);
 tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done);

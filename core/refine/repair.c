@@ -231,6 +231,71 @@ static int flip_facet(const refiner *r, uint32_t t, uint32_t i, flip *f) {
   return 0;
 }
 
+/* Flips edge xy, of corners x and y of t, of the facet that t = xyde stands on with subfaces xyd and xye: t
+ * spans a crease of nothing but last bits there. Beyond, either nothing or two tetrahedra have that edge. 0 if
+ * that cannot be. */
+static int flip_bend(const refiner *r, uint32_t t, uint32_t x, uint32_t y, flip *f, uint32_t ret_behind[2]) {
+  uint32_t d = 0, e;
+  while (d == x || d == y) d++;
+  e = 6 - x - y - d;
+  uint32_t s = refine_sub_at(r, 4 * (size_t)t + e), q = refine_sub_at(r, 4 * (size_t)t + d);
+  if (s == TET_NONE || q == TET_NONE || r->sub_patch[s] != r->sub_patch[q] ||
+      refine_sub_at(r, 4 * (size_t)t + x) != TET_NONE || refine_sub_at(r, 4 * (size_t)t + y) != TET_NONE ||
+      r->tet_edges[t] >> refine_edge_of[d][e] & 1) return 0;
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t, *adj = r->mesh.adj + 4 * (size_t)t;
+  uint32_t edge = sub_edge(r, s, v[x], v[y]), bt = adj[e], bu = adj[d];
+  if (r->sub_seg[edge] != TET_NONE || (bt == TET_NONE) != (bu == TET_NONE)) return 0;
+  uint32_t a = r->sub_v[edge], b = r->sub_v[3 * s + (edge + 1) % 3];
+  *f = (flip){.n_old = 1, .old = {t}, .n_subs = 2, .old_sub = {s, q}, .sub_v = {{a, v[e], v[d]}, {b, v[d], v[e]}}};
+  ret_behind[0] = adj[a == v[x] ? y : x];
+  ret_behind[1] = adj[a == v[x] ? x : y];
+  int axis = r->patch[r->sub_patch[s]].axis;
+  for (int k = 0; k < 2; k++) {
+    const uint32_t *n = f->sub_v[k];
+    if (tet_orient2d(&r->points, axis, n[0], n[1], n[2]) <= 0) return 0;
+  }
+  if (bt == TET_NONE) return 1;
+  uint32_t w = r->mesh.v[bt], over = 4 * (bt >> 2) + refine_corner(r, bt >> 2, v[d]);
+  if (r->mesh.v[bu] != w || refine_sub_at(r, over) != TET_NONE || r->mesh.adj[over] >> 2 != bu >> 2) return 0;
+  f->n_old = 3;
+  f->old[0] = bt >> 2;
+  f->old[1] = bu >> 2;
+  f->old[2] = t;
+  int odd = tet_orient3d(&r->points, v[x], v[y], w, v[d]) < 0;
+  return propose(r, f, odd, v[x], v[e], w, v[d]) && propose(r, f, odd, v[e], v[y], w, v[d]);
+}
+
+/* Applies a flip_bend: the tetrahedra behind t stand on the new subfaces. */
+static tet_status apply_bend(refiner *r, flip *f, const uint32_t behind[2]) {
+  tet_status status = apply(r, f);
+  for (uint32_t k = 0; k < 2 && !status; k++) {
+    uint32_t over = r->sub_side[2 * (size_t)f->sub[k]];
+    r->mesh.adj[behind[k]] = over;
+    if (over != TET_NONE) r->mesh.adj[over] = behind[k];
+    refine_hang(r, f->sub[k], behind[k]);
+  }
+  return status;
+}
+
+/* Flips the edges away that a facet bent by rounding has as creases: refinement knows of no such, and the
+ * flat tetrahedra that span them would stand in the way of points on the facet. */
+tet_status refine_unbend(refiner *r) {
+  tet_status status = TET_OK;
+  for (int changed = 1; changed && !status;) {
+    changed = 0;
+    for (uint32_t t = 0; t < r->mesh.n_slots && !status; t++)
+      for (uint32_t e = 0; e < 6 && !status && refine_alive(r, t) && __builtin_popcount(r->mesh.wall[t]) > 1; e++) {
+        flip f;
+        uint32_t behind[2];
+        if (!flip_bend(r, t, refine_edge[e][0], refine_edge[e][1], &f, behind)) continue;
+        status = apply_bend(r, &f, behind);
+        changed = 1;
+      }
+    if (!status) status = tet_poll(r->ctx);
+  }
+  return status ? status : refine_repair(r);
+}
+
 static int is_delaunay(const refiner *r, uint32_t h) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)(h >> 2);
   return tet_insphere_sos(&r->points, v[0], v[1], v[2], v[3], r->mesh.v[r->mesh.adj[h]]) <= 0;

@@ -118,15 +118,18 @@ static void stacks(void **state) {
   }
 }
 
+static void check_oblique(uint64_t seed) {
+  static made_pls made;
+  if (seed % 2) make_boxes(seed, &made);
+  else make_stack(seed, &made);
+  make_oblique(seed, &made);
+  check_solid(&made, seed);
+}
+
 static void oblique_boxes(void **state) {
   (void)state;
-  static made_pls made;
-  for (uint64_t seed = 1; seed <= runs(25); seed++) {
-    if (seed % 2) make_boxes(seed, &made);
-    else make_stack(seed, &made);
-    make_oblique(seed, &made);
-    check_solid(&made, seed);
-  }
+  check_oblique(1152); /* flat tetrahedra in a row at a side bent by rounding */
+  for (uint64_t seed = 1; seed <= runs(25); seed++) check_oblique(seed);
 }
 
 /* Whether all points lie in one plane: by trying every plane through the first two
@@ -173,14 +176,13 @@ static void point_sets(void **state) {
     }
 }
 
-/* The bound is met, by no fewer tetrahedra where it is smaller. */
+/* The bound is met, so by as many tetrahedra as it takes at least. Not: by no fewer than a larger bound. */
 static void volume_bounds(void **state) {
   (void)state;
   static made_pls made;
   for (uint64_t seed = 1; seed <= runs(8); seed++) {
     tet_ctx *ctx;
     tet_options options;
-    uint32_t before = 0;
     make_stack(seed, &made);
     assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
     tet_options_default(&options);
@@ -189,8 +191,7 @@ static void volume_bounds(void **state) {
       options.max_volume = made.volume / part;
       tet_mesh *m = mesh_of(ctx, &made, &options, seed);
       assert_int_equal(m->n_exceptions, 0); /* right angles only: nothing excuses one */
-      assert_true(m->n_tetrahedra >= before && m->n_tetrahedra >= part);
-      before = m->n_tetrahedra;
+      if (m->n_tetrahedra < part) fail_msg("seed %llu: %u tetrahedra", (unsigned long long)seed, m->n_tetrahedra);
       tet_mesh_free(m);
     }
     tet_ctx_free(ctx);
