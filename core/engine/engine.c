@@ -65,6 +65,7 @@ static void count(tet_report *report, const tet_build_result *built, const tet_r
   report->counts.refine_volume_points = refined->volume_points;
   report->counts.first_slivers = refined->n_first_slivers;
   report->counts.sliver_points = refined->sliver_points;
+  report->counts.sliver_budget = refined->sliver_budget;
 }
 
 /* Only of a mesh that is one. */

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { FIRST_LOOK = 128 }; /* tetrahedra of a cavity */
+enum { NEAR = 128 }; /* tetrahedra of a cavity, from its start on */
 
 /* Cosine of the angle at v over ab, about. */
 static double cosine_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) {
@@ -110,15 +110,15 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
   return collect(r, 0, subfaces);
 }
 
-/* Grows the cavity of p from `tet`, and collects what p hits. As soon as no more would be tried the
- * cavity is left as it is, for it is not going to be filled: one of a circumcentre far off can have most of
- * the mesh. */
+/* Grows the cavity of p from `tet`, and collects what p hits. The cavity of a circumcentre far off can
+ * have most of the mesh: where something near is hit, the search ends, for the cavity is not going to
+ * be filled. */
 tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet) {
   size_t k = 0, seen = 0;
   int more = 1;
   r->hit_segs.n = r->hit_subs.n = 0;
   tet_status status = refine_cavity_of_tet(r, p, tet);
-  for (size_t most = FIRST_LOOK; more && r->hit_segs.n < MOST_TRIED && !status; most *= 2) {
+  for (size_t most = NEAR; more && !r->hit_segs.n && !r->hit_subs.n && !status; most *= 2) {
     status = tet_complex_grow_to(&r->mesh, p, most, &k, &more);
     if (!status) status = collect(r, seen, 1);
     seen = r->mesh.n_cavity;

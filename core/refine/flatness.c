@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-/* flatness.c: what lies on one segment or one facet, decided by incidence.
+/* flatness.c: what lies on one segment, facet or plane of facets, decided by incidence.
  * Rounded Steiner points are off their line or plane by some last bits, so signs
  * cannot tell; a tetrahedron of four such points has a volume of nothing. And whether any point
  * is off, by signs. */
 #include "refine/refiner.h"
 
-int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet) {
-  const uint32_t *at, *end;
-  if (v < r->n_first) {
-    at = r->vertex_facet + r->vertex_facet_start[v];
-    end = r->vertex_facet + r->vertex_facet_start[v + 1];
-  } else if (r->out->origin[v] == TET_ORIGIN_FACET) {
-    return r->out->carrier[v] == facet;
-  } else if (r->out->origin[v] == TET_ORIGIN_SEGMENT) {
-    uint32_t segment = r->out->carrier[v];
-    at = r->segment_facet + r->segment_facet_start[segment];
-    end = r->segment_facet + r->segment_facet_start[segment + 1];
-  } else {
-    return 0;
+#include "base/vector.h"
+
+/* The facets that vertex v is on: from *ret_at to the end returned. */
+static const uint32_t *facets_of(const refiner *r, uint32_t v, const uint32_t **ret_at) {
+  const uint32_t *start = r->vertex_facet_start, *item = r->vertex_facet;
+  uint32_t k = v;
+  *ret_at = NULL;
+  if (v >= r->n_first) {
+    if (r->out->origin[v] == TET_ORIGIN_VOLUME) return NULL;
+    *ret_at = &r->out->carrier[v];
+    if (r->out->origin[v] == TET_ORIGIN_FACET) return *ret_at + 1;
+    start = r->segment_facet_start;
+    item = r->segment_facet;
+    k = **ret_at;
   }
+  *ret_at = item + start[k];
+  return item + start[k + 1];
+}
+
+int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet) {
+  const uint32_t *at, *end = facets_of(r, v, &at);
   while (at < end && *at != facet) at++;
   return at < end;
 }
@@ -48,18 +55,28 @@ int refine_all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet) {
          refine_on_facet(r, v[3], facet);
 }
 
-/* 1 if four vertices, v[0] the one on the fewest polytopes, lie on one facet, or
+static int on_plane(const refiner *r, uint32_t v, uint32_t plane) {
+  const uint32_t *at, *end = facets_of(r, v, &at);
+  while (at < end && r->facet_plane[*at] != plane) at++;
+  return at < end;
+}
+
+static int all_on_plane(const refiner *r, const uint32_t v[4], uint32_t plane) {
+  return on_plane(r, v[0], plane) && on_plane(r, v[1], plane) && on_plane(r, v[2], plane) && on_plane(r, v[3], plane);
+}
+
+/* 1 if four vertices, v[0] the one on the fewest polytopes, lie on facets of one plane, or
  * three of them on one segment. */
 int refine_is_flat(const refiner *r, const uint32_t v[4]) {
   uint8_t origin = r->out->origin[v[0]];
   uint32_t carrier = r->out->carrier[v[0]];
-  if (origin == TET_ORIGIN_FACET) return refine_all_on_facet(r, v, carrier);
+  if (origin == TET_ORIGIN_FACET) return all_on_plane(r, v, r->facet_plane[carrier]);
   if (origin == TET_ORIGIN_SEGMENT) {
     int on = 0;
     for (int i = 0; i < 4; i++) on += refine_on_segment(r, v[i], carrier);
     if (on > 2) return 1;
     for (uint32_t i = r->segment_facet_start[carrier]; i < r->segment_facet_start[carrier + 1]; i++)
-      if (refine_all_on_facet(r, v, r->segment_facet[i])) return 1;
+      if (all_on_plane(r, v, r->facet_plane[r->segment_facet[i]])) return 1;
   }
   return 0;
 }
@@ -99,4 +116,69 @@ int refine_cavity_is_exact(const refiner *r) {
   for (int axis = 0; axis < 3; axis++)
     if (tet_orient2d(&r->points, axis, a, b, c->p) != 0) return 0;
   return 1;
+}
+
+/* Three input vertices of facet f that are far from collinear; 0: there are none. */
+static int base_of(const refiner *r, uint32_t f, uint32_t ret[3]) {
+  double far2[2] = {0, 0};
+  for (int step = 0; step < 3; step++)
+    for (uint32_t i = r->facet_vertex_start[f]; i < r->facet_vertex_start[f + 1]; i++) {
+      uint32_t v = r->facet_vertex[i];
+      if (v >= r->out->n_input) continue;
+      if (!step) {
+        ret[0] = v;
+        break;
+      }
+      const double *a = refine_x(r, ret[0]), *x = refine_x(r, v);
+      double reach2 = tet_distance2(a, x);
+      if (step == 2) {
+        double e[3], d[3], n[3];
+        tet_minus(refine_x(r, ret[1]), a, e);
+        tet_minus(x, a, d);
+        tet_cross(e, d, n);
+        reach2 = tet_square(n);
+      }
+      if (reach2 <= far2[step - 1 > 0]) continue;
+      far2[step - 1 > 0] = reach2;
+      ret[step] = v;
+    }
+  return far2[0] > 0 && far2[1] > 0;
+}
+
+/* 1 if all input vertices of facet f are exactly in the plane of the three. */
+static int is_in_plane(const refiner *r, uint32_t f, const uint32_t base[3]) {
+  for (uint32_t i = r->facet_vertex_start[f]; i < r->facet_vertex_start[f + 1]; i++) {
+    uint32_t v = r->facet_vertex[i];
+    if (v < r->out->n_input && tet_orient3d(&r->points, base[0], base[1], base[2], v) != 0) return 0;
+  }
+  return 1;
+}
+
+/* The first of the facets joined with f; halves the way there. */
+static uint32_t plane_of(uint32_t *plane, uint32_t f) {
+  for (; plane[f] != f; f = plane[f]) plane[f] = plane[plane[f]];
+  return f;
+}
+
+/* Facets that are exactly coplanar and share a segment have the same plane, as those of two markers do
+ * side by side: what rounding makes of four points on them is no tetrahedron either. */
+tet_status refine_find_planes(refiner *r) {
+  uint32_t n = r->out->n_facets, *plane = r->facet_plane = tet_alloc(r->ctx, n, sizeof *plane);
+  uint32_t(*base)[3] = tet_alloc(r->ctx, n, sizeof *base);
+  uint8_t *is_plane = tet_calloc(r->ctx, n, 1);
+  tet_status status = plane && base && is_plane ? tet_poll(r->ctx) : TET_E_MEMORY;
+  for (uint32_t f = 0; f < n && !status; f++) {
+    plane[f] = f;
+    is_plane[f] = base_of(r, f, base[f]) && is_in_plane(r, f, base[f]);
+  }
+  for (uint32_t s = 0; s < r->out->n_segments && !status; s++)
+    for (uint32_t i = r->segment_facet_start[s]; i < r->segment_facet_start[s + 1]; i++)
+      for (uint32_t j = r->segment_facet_start[s]; j < i && is_plane[r->segment_facet[i]]; j++) {
+        uint32_t f = plane_of(plane, r->segment_facet[i]), g = plane_of(plane, r->segment_facet[j]);
+        if (f != g && is_plane[g] && is_in_plane(r, g, base[f])) plane[f < g ? g : f] = f < g ? f : g;
+      }
+  for (uint32_t f = 0; f < n && !status; f++) plane[f] = plane_of(plane, f);
+  tet_free(r->ctx, base);
+  tet_free(r->ctx, is_plane);
+  return status;
 }

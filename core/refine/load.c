@@ -357,6 +357,7 @@ tet_status refine_load(refiner *r) {
   if (!status) status = link_rings(r); /* patches turned some subfaces */
   if (!status) status = mark_edges(r);
   if (!status) status = tabulate_facets(r, facet);
+  if (!status) status = refine_find_planes(r);
   if (!status) {
     tet_free(r->ctx, r->out->subface_facet);
     r->out->subface_facet = NULL;

@@ -47,6 +47,7 @@ typedef struct tet_refine_result {
   uint32_t n_sharp_segments;     /* below 60 degrees to a segment, or 69.3 between facets */
   uint64_t n_first_slivers;      /* before their removal */
   uint64_t sliver_points;        /* vertices that their removal inserted */
+  uint64_t sliver_budget;        /* at which it ended, or would have */
   tet_trace trace;               /* of the exceptions */
   uint32_t n_exceptions;         /* tetrahedra over a bound */
   uint32_t *exception_tet;       /* [n] ascending; row of pieces->tets */

@@ -169,6 +169,7 @@ typedef struct refiner {
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
   uint32_t *segment_facet_start, *segment_facet; /* [segment] facets at each */
   uint32_t *facet_vertex_start, *facet_vertex;   /* [facet] first vertices on each */
+  uint32_t *facet_plane; /* [facet] the same number for facets side by side in one plane */
 
   refine_cavity cavity;
   refine_list hit_segs, hit_subs; /* encroached by a candidate */
@@ -257,6 +258,7 @@ int refine_segments_meet(const refiner *r, uint32_t s, uint32_t t);
 int refine_facets_meet(const refiner *r, uint32_t f, uint32_t g);
 int refine_on_facet(const refiner *r, uint32_t v, uint32_t facet);
 int refine_all_on_facet(const refiner *r, const uint32_t v[4], uint32_t facet);
+tet_status refine_find_planes(refiner *r);
 int refine_is_flat(const refiner *r, const uint32_t v[4]);
 int refine_is_positive(const refiner *r, const uint32_t v[4]);
 int refine_facets_are_flat(const refiner *r);

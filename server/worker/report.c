@@ -52,6 +52,7 @@ static json_t *counts_json(const tet_mesh *m) {
   set_count(o, "refine_volume_points", c->refine_volume_points);
   set_count(o, "first_slivers", c->first_slivers);
   set_count(o, "sliver_points", c->sliver_points);
+  set_count(o, "sliver_budget", c->sliver_budget);
   set_count(o, "outside_tetrahedra", c->outside_tetrahedra);
   return o;
 }

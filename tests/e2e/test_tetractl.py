@@ -459,6 +459,7 @@ def test_slivers_are_removed_unless_they_may_stay(tmp_path, cube):
     slivers = sum(angle < 5 for angle in least["bound"])
     assert slivers == said["usual"]["counts"]["first_slivers"] > 0
     assert said["usual"]["counts"]["sliver_points"] > 0 == said["bound"]["counts"]["sliver_points"]
+    assert said["usual"]["counts"]["sliver_budget"] > said["usual"]["counts"]["sliver_points"]
     assert said["more"]["promised"]["min_dihedral"] == 12
     assert sum(angle < 12 for angle in least["more"]) == said["more"]["slivers"]["count"]
 

@@ -345,8 +345,8 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
   printf(",\"refined\":[%llu,%llu,%llu]", (unsigned long long)c->refine_segment_points,
          (unsigned long long)c->refine_facet_points, (unsigned long long)c->refine_volume_points);
-  printf(",\"slivers\":%u,\"first_slivers\":%llu,\"sliver_points\":%llu", m->n_slivers,
-         (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points);
+  printf(",\"slivers\":%u,\"first_slivers\":%llu,\"sliver_points\":%llu,\"sliver_budget\":%llu", m->n_slivers,
+         (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points, (unsigned long long)c->sliver_budget);
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
          (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);

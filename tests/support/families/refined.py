@@ -11,7 +11,8 @@ all large: no dihedral, plane or segment-facet angle is sharp: boundary conformi
 plane: some plane angle is: boundary conforming Delaunay; what is over 1.4143 is listed, its
     circumcentre within (3 + sqrt 2) / 2 |S| of the midpoint of a sharp subsegment S (3.4.1).
 dihedral: some dihedral angle is: constrained Delaunay; what is over 2.0 is listed.
-In every class slivers that are left are listed, and without sharp segments no candidate is
+In every class slivers that are left are listed, each with a vertex on a sharp segment unless the
+budget of their removal was spent, and without sharp segments no candidate is
 rejected.  Prints each case that does not hold, and a table.  A system of thin gaps needs
 points without end: what goes over the limit of vertices or of seconds is counted apart."""
 
@@ -102,6 +103,17 @@ def check_places(case, mesh, listed, sharp):
         case.faults.append(f"an exception {case.farthest:.3g} times too far from sharp subsegments")
 
 
+def check_slivers(case, mesh, report, listed, found):
+    """That each sliver left is at a sharp segment, or the budget of their removal was spent."""
+    if report["sliver_points"] >= report["sliver_budget"]:
+        return
+    x, y = mesh.points, found.mesh.points
+    known = [(y[a], y[b]) for a, b in found.sharp]
+    strangers = [t for t, _, _ in listed if not any(on_segment(x[v], p, q) for v in mesh.tets[t] for p, q in known)]
+    if strangers:
+        case.faults.append(f"{len(strangers)} slivers at no sharp segment, and their budget is not spent")
+
+
 def judged(case, judge, path, prefix, options):
     if not judge:
         return
@@ -152,6 +164,7 @@ def run_case(name, path, folder, judge, limits, outside, is_blocks=False):
     case.tets, case.exceptions, case.slivers = report["tets"], report["exceptions"], report["slivers"]
     mesh = angles.Mesh(prefix)
     listed = mesh.listed(prefix, ".over")
+    check_slivers(case, mesh, report, mesh.listed(prefix, ".sliver"), found)
     promised = report["promised"]
     if case.kind == "dihedral":
         if not promised["cdt"]:
