@@ -193,6 +193,8 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
   tet_stage_begin(st->ctx, "surface");
   tet_status status = tet_surface_build(st->ctx, st->pls, &st->points, tolerance, o->merge_angle, &st->surface);
   if (status != TET_OK) return status;
+  st->planes = (tet_planes){st->surface.plane_start, st->surface.plane};
+  st->points.planes = &st->planes;
   if ((status = tet_check_seeds(st)) != TET_OK) return status;
   count_surface(st, r);
   tet_stage_counts(st->ctx, st->n_input, 0);

@@ -39,7 +39,7 @@ void tet_cavity_free(tet_cavity *c) {
   tet_ctx *ctx = c->st->ctx;
   tet_complex_free(&c->local);
   void *all[] = {c->face_tri, c->omega, c->crossed, c->border[0], c->border[1], c->vertex,
-                 c->has_vertex, c->image, c->blocked, c->inside, c->floor};
+                 c->has_vertex, c->shown, c->image, c->blocked, c->inside, c->floor};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
   memset(c, 0, sizeof *c);
 }
@@ -86,14 +86,17 @@ static tet_status find_omega(tet_cavity *c, size_t k, int up, uint32_t *ret) {
   return tet_complex_find_face(&c->local, v[0], v[up ? 2 : 1], v[up ? 1 : 2], ret);
 }
 
-/* Phase (1): whether the local tetrahedralization has all of the cavity's faces. */
+/* Phase (1): whether the local tetrahedralization has all of the cavity's faces; and where, into
+ * c->shown. */
 static tet_status verify(tet_cavity *c, int up, int *ret_all) {
+  size_t n = c->n_omega + c->n_border[up];
   tet_status status = tet_poll(c->st->ctx);
+  if (status == TET_OK) status = tet_grow(c->st->ctx, &c->shown, &c->cap_shown, n, sizeof *c->shown);
   *ret_all = 1;
-  for (size_t k = 0; k < c->n_omega + c->n_border[up] && *ret_all && status == TET_OK; k++) {
-    uint32_t l;
-    status = k < c->n_omega ? find_omega(c, k, up, &l) : find_border(c, c->border[up][k - c->n_omega], &l);
-    *ret_all = status != TET_OK || l != TET_NONE;
+  for (size_t k = 0; k < n && *ret_all && status == TET_OK; k++) {
+    uint32_t *l = &c->shown[k];
+    status = k < c->n_omega ? find_omega(c, k, up, l) : find_border(c, c->border[up][k - c->n_omega], l);
+    *ret_all = status != TET_OK || *l != TET_NONE;
   }
   return status;
 }
@@ -115,24 +118,15 @@ static void block(tet_cavity *c, uint32_t l) {
 static tet_status flood_inside(tet_cavity *c, int up) {
   tet_ctx *ctx = c->st->ctx;
   size_t n = c->local.n_slots;
-  uint32_t l;
   tet_status status = tet_grow(ctx, &c->image, &c->cap_image, n, sizeof *c->image);
   if (status == TET_OK) status = tet_grow(ctx, &c->blocked, &c->cap_blocked, n, 1);
   if (status != TET_OK) return status;
   memset(c->image, 0xff, n * sizeof *c->image);
   memset(c->blocked, 0, n);
   c->n_inside = 0;
-  for (size_t k = 0; k < c->n_omega && status == TET_OK; k++) {
-    status = find_omega(c, k, up, &l);
-    if (status != TET_OK) return status;
-    block(c, l);
-    status = enter(c, l >> 2);
-  }
-  for (size_t k = 0; k < c->n_border[up] && status == TET_OK; k++) {
-    status = find_border(c, c->border[up][k], &l);
-    if (status != TET_OK) return status;
-    block(c, l);
-    status = enter(c, l >> 2);
+  for (size_t k = 0; k < c->n_omega + c->n_border[up] && status == TET_OK; k++) {
+    block(c, c->shown[k]);
+    status = enter(c, c->shown[k] >> 2);
   }
   for (size_t k = 0; k < c->n_inside && status == TET_OK; k++) {
     uint32_t t = c->inside[k];
@@ -183,16 +177,12 @@ static void join_omega(tet_cavity *c, uint32_t made, size_t k, int up) {
 
 /* Phase (2): fills the cavity from the local tetrahedralization. */
 static tet_status fill_from_local(tet_cavity *c, int up) {
-  uint32_t l;
   tet_status status = flood_inside(c, up);
   if (status == TET_OK) status = copy_inside(c);
-  for (size_t k = 0; k < c->n_border[up] && status == TET_OK; k++) {
-    status = find_border(c, c->border[up][k], &l);
-    if (status == TET_OK) join_border(c, 4 * c->image[l >> 2] + (l & 3), c->border[up][k]);
-  }
-  for (size_t k = 0; k < c->n_omega && status == TET_OK; k++) {
-    status = find_omega(c, k, up, &l);
-    if (status == TET_OK) join_omega(c, 4 * c->image[l >> 2] + (l & 3), k, up);
+  for (size_t k = 0; k < c->n_omega + c->n_border[up] && status == TET_OK; k++) {
+    uint32_t l = c->shown[k], made = 4 * c->image[l >> 2] + (l & 3);
+    if (k < c->n_omega) join_omega(c, made, k, up);
+    else join_border(c, made, c->border[up][k - c->n_omega]);
   }
   return status;
 }

@@ -20,6 +20,8 @@ typedef struct tet_cavity {
   uint32_t *vertex;      /* the cavity's vertices */
   size_t n_vertex, cap_vertex;
   uint8_t *has_vertex;   /* [vertices] */
+  uint32_t *shown;       /* local handles, inside the cavity, of the faces of Omega and of its border */
+  size_t cap_shown;
   uint32_t *image;       /* [local slots] tetrahedron made in the complex, or TET_NONE */
   size_t cap_image;
   uint8_t *blocked;      /* [local slots] bit i: face i is on the cavity's border */

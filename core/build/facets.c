@@ -184,6 +184,21 @@ static tet_status recover_region(facet_recovery *r, uint32_t tri) {
   return status;
 }
 
+/* The triangles to look at in an order that has nothing to do with the caller's: one that goes round
+ * from the outside in would have each region cross what the ones before left of the same tetrahedra. By
+ * chance, only the first few regions across a tetrahedron do (Shewchuk, Brown 2015, on segments in the
+ * plane): k layers under n vertices cost n log k, not n k. */
+static void shuffle(facet_recovery *r) {
+  uint64_t state = r->n_stack;
+  for (size_t k = r->n_stack; k > 1; k--) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    size_t other = (size_t)((state >> 32) * k >> 32);
+    uint32_t tri = r->stack[k - 1];
+    r->stack[k - 1] = r->stack[other];
+    r->stack[other] = tri;
+  }
+}
+
 static tet_status recover_all(facet_recovery *r) {
   uint32_t n = r->st->surface.n_tris;
   tet_status status = TET_OK;
@@ -194,6 +209,7 @@ static tet_status recover_all(facet_recovery *r) {
     if (status == TET_OK && (tri & 255) == 0) status = tet_poll(r->ctx);
   }
   size_t initial = r->n_stack;
+  shuffle(r);
   while (r->n_stack && status == TET_OK) {
     uint32_t tri = r->stack[--r->n_stack];
     int found;

@@ -301,6 +301,45 @@ static void fill_triangles(joiner *w) {
   }
 }
 
+/* Triangles by the number of their patch. */
+static void sort_by_patch(const tet_surface *r, uint32_t *count, uint32_t *order) {
+  for (uint32_t t = 0; t < r->n_tris; t++) count[r->tri_patch[t] + 1]++;
+  for (uint32_t p = 0; p < r->n_patches; p++) count[p + 1] += count[p];
+  for (uint32_t t = 0; t < r->n_tris; t++) order[count[r->tri_patch[t]]++] = t;
+}
+
+/* The patches of each vertex, each once: its place and how many are there while they are
+ * listed, `end` of the last one. */
+static tet_status list_planes(const tet_soup *s, tet_surface *r) {
+  uint32_t n = s->points->n, *end = tet_alloc(s->ctx, n, sizeof *end);
+  uint32_t *count = tet_calloc(s->ctx, (size_t)r->n_patches + 1, sizeof *count);
+  uint32_t *order = tet_alloc(s->ctx, r->n_tris, sizeof *order);
+  r->plane_start = tet_calloc(s->ctx, (size_t)n + 1, sizeof *r->plane_start);
+  r->plane = tet_alloc(s->ctx, 3 * (size_t)r->n_tris, sizeof *r->plane);
+  int ok = end && count && order && r->plane_start && r->plane;
+  if (ok) {
+    uint32_t *start = r->plane_start, kept = 0;
+    sort_by_patch(r, count, order);
+    for (size_t i = 0; i < 3 * (size_t)r->n_tris; i++) start[r->tri[i] + 1]++;
+    for (uint32_t v = 0; v < n; v++) start[v + 1] += start[v];
+    memcpy(end, start, n * sizeof *end);
+    for (size_t i = 0; i < 3 * (size_t)r->n_tris; i++) {
+      uint32_t t = order[i / 3], v = r->tri[3 * (size_t)t + i % 3];
+      if (end[v] == start[v] || r->plane[end[v] - 1] != r->tri_patch[t]) r->plane[end[v]++] = r->tri_patch[t];
+    }
+    for (uint32_t v = 0; v < n; v++) { /* closes the gaps of those listed more than once */
+      uint32_t from = start[v];
+      start[v] = kept;
+      while (from < end[v]) r->plane[kept++] = r->plane[from++];
+    }
+    start[n] = kept;
+  }
+  tet_free(s->ctx, end);
+  tet_free(s->ctx, count);
+  tet_free(s->ctx, order);
+  return ok ? TET_OK : tet_ctx_error(s->ctx)->status;
+}
+
 static tet_status start(joiner *w) {
   const tet_soup *s = w->s;
   uint64_t size = 16, n = 2 * (uint64_t)s->n_tris + s->n_pieces; /* about 1.5 edges a triangle */
@@ -328,6 +367,7 @@ tet_status tet_make_patches(tet_soup *s, tet_surface *r) {
   if (st == TET_OK) st = alloc_triangles(&w);
   if (st == TET_OK) st = make_patches(&w);
   if (st == TET_OK) fill_triangles(&w);
+  if (st == TET_OK) st = list_planes(s, r);
   tet_free(s->ctx, w.table);
   tet_free(s->ctx, w.edge);
   tet_free(s->ctx, w.next);

@@ -33,6 +33,7 @@ static int on_patch(const repair *r, uint32_t v, uint32_t patch) {
 int tet_repair_may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   if (tet_orient3d_xyz(repair_at(r, a), repair_at(r, b), repair_at(r, c), repair_at(r, d)) <= 0) return 0;
   if (tet_orient3d(&r->exact, a, b, c, d) != 0) return 1;
+  if (r->strict) return 0;
   if (tet_collinear(&r->exact, a, b, c) || tet_collinear(&r->exact, a, b, d) || tet_collinear(&r->exact, a, c, d) ||
       tet_collinear(&r->exact, b, c, d))
     return 0;
@@ -323,6 +324,27 @@ static tet_status mend_all(repair *r) {
   return status;
 }
 
+/* Puts what is bad still on the stack. */
+static tet_status push_bad(repair *r) {
+  tet_status status = TET_OK;
+  for (uint32_t t = r->p->n_tets; t-- > 0 && status == TET_OK;)
+    if (!repair_is_dead(r, t) && tet_repair_is_bad(r, t)) status = push(r, t);
+  return status;
+}
+
+/* First without tetrahedra whose vertices were coplanar before rounding: they are as thin as
+ * rounding is, and points that move a little mostly make do without them. */
+static tet_status flip_and_mend(repair *r) {
+  tet_status status = TET_OK;
+  for (int strict = 1; strict >= 0 && r->n_stack && status == TET_OK; strict--) {
+    r->strict = strict;
+    status = flip_all(r, r->surface);
+    if (status == TET_OK) status = mend_all(r);
+    if (status == TET_OK && strict) status = push_bad(r);
+  }
+  return status;
+}
+
 /* The best place to break a subsegment that keeps bad tetrahedron t from being flipped: where
  * the edge that would replace it passes. One break for each subsegment is enough: `taken`. */
 static tet_status break_at(const repair *r, uint32_t t, uint8_t *taken, tet_breaks *breaks) {
@@ -393,8 +415,7 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   for (uint32_t e = 0; e < surface->n_subsegs && r.n_stack && status == TET_OK; e++)
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
   if (status == TET_OK) status = list_patches(&r, surface);
-  if (status == TET_OK) status = flip_all(&r, surface);
-  if (status == TET_OK) status = mend_all(&r);
+  if (status == TET_OK) status = flip_and_mend(&r);
   compact(&r);
   if (status == TET_OK) status = verify(&r, breaks);
   counts->rounding_flips = r.flips + r.refills;

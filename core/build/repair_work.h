@@ -12,6 +12,7 @@ typedef struct repair {
   const tet_surface *surface;
   tet_points exact;        /* the Steiner points as they were: implicit */
   tet_points rounded;      /* all points as they are: explicit */
+  int strict;              /* nothing that was coplanar before rounding is made */
   uint32_t **tri;          /* [n_tets][4] triangle of the surface at a face */
   size_t cap_tets, cap_adj, cap_region, cap_tri;
   tet_edge_map subsegs;
@@ -37,7 +38,8 @@ static inline const double *repair_at(const repair *r, uint32_t v) { return r->p
 static inline int repair_is_dead(const repair *r, uint32_t t) { return r->p->tets[4 * (size_t)t] == TET_NONE; }
 
 /* 1: abcd is positive as rounded, and neither are its vertices all on one patch nor three of
- * them on one line: those are coplanar, whatever rounding made of them. */
+ * them on one line: those are coplanar, whatever rounding made of them. With r->strict, nor
+ * are they coplanar by chance. */
 int tet_repair_may_be_made(const repair *r, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
 
 /* 1: t is positive as rounded. */

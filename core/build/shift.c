@@ -3,7 +3,8 @@
  *
  * A point of a segment is as good a unit in the last place farther on. What was
  * cospherical or coplanar before rounding is mostly mended so, and no tetrahedron is
- * made or lost; long moves are for facets close to each other. */
+ * made or lost; long moves are for facets close to each other, and for points so close to one
+ * neighbour that rounding bends the line there: to the other side there is room. */
 #include "build/repair_work.h"
 
 #include <stdlib.h>
@@ -105,9 +106,9 @@ tet_status tet_shift(repair *r, uint32_t v, int *ret_done) {
   *ret_done = 0;
   double lo = place_beside(r, v, 0), hi = place_beside(r, v, 1), from = s->t;
   uint32_t before = count_bad(r, v, UINT32_MAX);
-  double gap = hi - from < from - lo ? hi - from : from - lo;
-  for (double share = 0x1p-52; share < 0.5; share *= 2)
+  for (double share = 0x1p-52; share < 1; share *= 2)
     for (int side = -1; side <= 1; side += 2) {
+      double gap = side < 0 ? from - lo : hi - from;
       if (!put(r, v, from + side * share * gap) || count_bad(r, v, before) == before) continue;
       *ret_done = 1;
       r->moves++;

@@ -183,6 +183,8 @@ void tet_surface_free(tet_ctx *ctx, tet_surface *s) {
   tet_free(ctx, s->tri_adj);
   tet_free(ctx, s->tri_seg);
   tet_free(ctx, s->tri_patch);
+  tet_free(ctx, s->plane_start);
+  tet_free(ctx, s->plane);
   tet_free(ctx, s->facet);
   tet_free(ctx, s->segment);
   tet_free(ctx, s->subseg);

@@ -11,6 +11,7 @@
 typedef struct tet_state {
   tet_ctx *ctx;
   const tet_pls *pls;
+  tet_planes planes;   /* of the surface's patches */
   tet_points points;   /* owned; vertices from n_input on are Steiner points */
   size_t cap_x, cap_implicit, cap_segment;
   uint32_t n_input;

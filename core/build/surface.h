@@ -40,6 +40,8 @@ typedef struct tet_surface {
   uint32_t *tri_seg;    /* [n][3] subsegment at edge j, or TET_NONE */
   uint32_t *tri_patch;  /* [n] */
   size_t cap_tri, cap_tri_adj, cap_tri_seg, cap_tri_patch;
+  uint32_t *plane_start;    /* [n_input + 1] into plane */
+  uint32_t *plane;          /* the patches of each input vertex, rising: the planes that it is in */
 
   uint32_t n_facets;
   tet_facet *facet;

@@ -78,7 +78,11 @@ tet_status tet_breaks_add(tet_ctx *ctx, tet_breaks *breaks, const tet_break *b) 
 }
 
 void tet_breaks_sort(tet_breaks *breaks) {
+  size_t n = 0;
   if (breaks->n) qsort(breaks->at, breaks->n, sizeof *breaks->at, compare);
+  for (size_t k = 0; k < breaks->n; k++)
+    if (!k || compare(&breaks->at[k], &breaks->at[k - 1]) != 0) breaks->at[n++] = breaks->at[k];
+  breaks->n = n;
 }
 
 /* If face i of tetrahedron t is a subface, its edge that is not at vertex j a subsegment, and t is

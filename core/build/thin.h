@@ -21,7 +21,7 @@ typedef struct tet_breaks {
 void tet_break_consider(const tet_surface *surface, const tet_points *exact, const double *points, uint32_t sub,
                         uint32_t x, uint32_t y, uint32_t d, uint32_t e, tet_break *best, double *gap);
 
-/* Appends; to be sorted before use. */
+/* Appends; to be sorted before use, which leaves each place once. */
 tet_status tet_breaks_add(tet_ctx *ctx, tet_breaks *breaks, const tet_break *b);
 void tet_breaks_sort(tet_breaks *breaks);
 

@@ -71,6 +71,62 @@ void tet_segment_point_round(const tet_points *p, const tet_segment_point *s, do
   }
 }
 
+/* 1: plane k is one of those from `from` on, before `to`. */
+static int is_among(const uint32_t *of, uint32_t from, uint32_t to, uint32_t k) {
+  while (from < to) {
+    uint32_t mid = from + (to - from) / 2;
+    if (of[mid] == k)
+      return 1;
+    if (of[mid] < k)
+      from = mid + 1;
+    else
+      to = mid;
+  }
+  return 0;
+}
+
+/* 1: three of the vertices are on the segment of the implicit point i of them. */
+static int are_on_segment(const tet_points *p, const uint32_t v[4], int i) {
+  const tet_segment_point *s = p->implicit + (v[i] - p->first_implicit);
+  int n = 0;
+  for (int j = 0; j < 4; j++) {
+    const tet_segment_point *q = tet_is_implicit(p, v[j]) ? p->implicit + (v[j] - p->first_implicit) : 0;
+    n += q ? q->a == s->a && q->b == s->b : v[j] == s->a || v[j] == s->b;
+  }
+  return n >= 3;
+}
+
+int tet_are_in_one_plane(const tet_points *p, const uint32_t v[4]) {
+  uint32_t on[8], fewest = 0;
+  int n = 0;
+  for (int i = 0; i < 4; i++) { /* the explicit vertices that the others rest on */
+    if (!tet_is_implicit(p, v[i])) {
+      on[n++] = v[i];
+      continue;
+    }
+    if (are_on_segment(p, v, i))
+      return 1;
+    const tet_segment_point *s = p->implicit + (v[i] - p->first_implicit);
+    on[n++] = s->a;
+    on[n++] = s->b;
+  }
+  if (!p->planes)
+    return 0;
+  const uint32_t *start = p->planes->start, *of = p->planes->of;
+  for (int i = 1; i < n; i++) {
+    if (start[on[i] + 1] - start[on[i]] < start[on[fewest] + 1] - start[on[fewest]])
+      fewest = (uint32_t)i;
+  }
+  for (uint32_t k = start[on[fewest]]; k < start[on[fewest] + 1]; k++) {
+    int i = 0;
+    while (i < n && is_among(of, start[on[i]], start[on[i] + 1], of[k]))
+      i++;
+    if (i == n)
+      return 1;
+  }
+  return 0;
+}
+
 /* Useless where the largest coordinate is more than this many grains. */
 #define MOST_GRAINS 0x1p42
 

@@ -21,6 +21,13 @@ typedef struct tet_segment_point {
   double t;
 } tet_segment_point;
 
+/** Planes that are known to hold explicit vertices, exactly: the numbers of those through
+ * vertex v are of[start[v]] to of[start[v + 1] - 1], rising. An implicit point is in the
+ * planes that both its ends are in. */
+typedef struct tet_planes {
+  const uint32_t *start, *of;
+} tet_planes;
+
 /** Vertex coordinates. Vertices v >= first_implicit are implicit; their entry
  * is implicit[v - first_implicit]. Where there is none, first_implicit is n or
  * more (UINT32_MAX serves) and `implicit` may be NULL. */
@@ -33,6 +40,7 @@ typedef struct tet_points {
   const uint32_t *rank; /* the number by which a vertex is perturbed; NULL: its own */
   double grain3, grain5; /* third and fifth power of a number of which all explicit
                             coordinates are multiples (tet_points_find_grain); 0: unknown */
+  const tet_planes *planes; /* known to hold vertices, exactly; NULL: none is */
   struct tet_tally *tally; /* tally.h: where calls are counted; NULL: nowhere */
 } tet_points;
 
@@ -45,6 +53,10 @@ static inline tet_points tet_points_explicit(double *x, uint32_t n) {
  * coordinates, where it is large enough against them to be of use. Then a determinant
  * known to be smaller than its grain is known to be zero. */
 void tet_points_find_grain(tet_points *p);
+
+/** 1 if the four vertices are known to be coplanar: of one plane of p->planes, or three of them
+ * of one segment. */
+int tet_are_in_one_plane(const tet_points *p, const uint32_t v[4]);
 
 /** The doubles that stand for an implicit point in p->x: each coordinate is the
  * double nearest to the exact a + t (b - a), ties to even. Deterministic. Reads

@@ -57,7 +57,7 @@ static __attribute__((noinline)) int orient3d_implicit(const tet_points *p, cons
   for (int i = 0; i < 3; i++)
     tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
   int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, d, r, 9, TET_ROUNDINGS_ORIENT3D);
-  if (sign)
+  if (sign || tet_are_in_one_plane(p, v))
     return sign;
   tet_point_ref ref[4];
   make_refs(p, v, 4, ref);

@@ -106,8 +106,9 @@ void tet_complex_give_up(tet_complex *c) {
   }
 }
 
-/* The tetrahedra of a, into made: all, or up to the first that also has vertex b. */
-static tet_status flood_star(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t) {
+/* The tetrahedra of a, into made: all, or up to the first that also has vertex b, or no more than
+ * about `most`. */
+static tet_status flood_star(tet_complex *c, uint32_t a, uint32_t b, size_t most, uint32_t *ret_t) {
   *ret_t = TET_NONE;
   c->n_made = 0;
   uint32_t first = c->at[a];
@@ -117,7 +118,7 @@ static tet_status flood_star(tet_complex *c, uint32_t a, uint32_t b, uint32_t *r
   c->made[c->n_made++] = first;
   c->flag[first] |= TET_FLAG_MARK;
   if (b != TET_NONE && tet_index_of(c, first, b) < 4) *ret_t = first;
-  for (size_t k = 0; k < c->n_made && *ret_t == TET_NONE && status == TET_OK; k++) {
+  for (size_t k = 0; k < c->n_made && k < most && *ret_t == TET_NONE && status == TET_OK; k++) {
     const size_t h = 4 * (size_t)c->made[k];
     if (c->cap_made - c->n_made < 3) status = tet_grow(c->ctx, &c->made, &c->cap_made, c->n_made + 3, sizeof *c->made);
     for (size_t i = h; i < h + 4 && *ret_t == TET_NONE && status == TET_OK; i++) {
@@ -134,11 +135,25 @@ static tet_status flood_star(tet_complex *c, uint32_t a, uint32_t b, uint32_t *r
 
 tet_status tet_complex_star(tet_complex *c, uint32_t a) {
   uint32_t t;
-  return flood_star(c, a, TET_NONE, &t);
+  return flood_star(c, a, TET_NONE, SIZE_MAX, &t);
+}
+
+/* Looks for an edge from a vertex of v to the next one of it, in cyclic order, by turns from all of them and
+ * each time farther, so that the smallest star is what it costs. *ret_from: the one whose star was
+ * looked through, or has the edge: then *ret_t has it, too. */
+static tet_status find_from_any(tet_complex *c, const uint32_t *v, int n, int *ret_from, uint32_t *ret_t) {
+  for (size_t most = 32;; most *= 4)
+    for (int k = 0; k < n; k++) {
+      tet_status status = flood_star(c, v[k], v[(k + 1) % n], most, ret_t);
+      *ret_from = k;
+      if (status != TET_OK || *ret_t != TET_NONE || c->n_made <= most) return status;
+    }
 }
 
 tet_status tet_complex_find_edge(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t) {
-  return flood_star(c, a, b, ret_t);
+  const uint32_t v[2] = {a, b};
+  int from;
+  return find_from_any(c, v, 2, &from, ret_t);
 }
 
 uint32_t tet_complex_face_at_edge(const tet_complex *c, uint32_t t, uint32_t a, uint32_t b, uint32_t d) {
@@ -167,9 +182,12 @@ uint32_t tet_complex_face_at_edge(const tet_complex *c, uint32_t t, uint32_t a, 
 }
 
 tet_status tet_complex_find_face(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t *ret_handle) {
+  const uint32_t v[3] = {a, b, d};
   uint32_t t;
+  int k;
   *ret_handle = TET_NONE;
-  tet_status status = tet_complex_find_edge(c, a, b, &t);
-  if (status == TET_OK && t != TET_NONE) *ret_handle = tet_complex_face_at_edge(c, t, a, b, d);
+  tet_status status = find_from_any(c, v, 3, &k, &t);
+  if (status == TET_OK && t != TET_NONE)
+    *ret_handle = tet_complex_face_at_edge(c, t, v[k], v[(k + 1) % 3], v[(k + 2) % 3]);
   return status;
 }

@@ -167,12 +167,12 @@ tet_status tet_complex_count_broken(const tet_complex *c, uint64_t *ret_n);
  * TET_E_DEGENERATE where the others span no volume (nothing is changed); limits. */
 tet_status tet_complex_remove(tet_complex *c, uint32_t p);
 
-/* A tetrahedron with edge ab, or TET_NONE. */
+/* A tetrahedron with edge ab, or TET_NONE. Cost: that of the smaller star. */
 tet_status tet_complex_find_edge(tet_complex *c, uint32_t a, uint32_t b, uint32_t *ret_t);
 
 /* The handle of face abd, of the tetrahedron on whose side (a,b,d) is outward, or
- * TET_NONE where the face does not exist. The second form starts from a
- * tetrahedron that has edge ab. */
+ * TET_NONE where the face does not exist. Cost: that of the smallest star. The second form starts
+ * from a tetrahedron that has edge ab and turns round it. */
 tet_status tet_complex_find_face(tet_complex *c, uint32_t a, uint32_t b, uint32_t d, uint32_t *ret_handle);
 uint32_t tet_complex_face_at_edge(const tet_complex *c, uint32_t t, uint32_t a, uint32_t b, uint32_t d);
 

@@ -155,6 +155,35 @@ static const char *ring_fault(const tet_surface *s) {
   return members == marks ? NULL : "rings do not hold all edges";
 }
 
+/* The planes of input vertices are those of their triangles, exactly. */
+static const char *plane_fault(const tet_surface *s, const tet_points *p) {
+  uint32_t n = p->n < p->first_implicit ? p->n : p->first_implicit;
+  uint32_t some_tri[BUILDER_POINTS * 4]; /* of each patch */
+  if (s->n_patches > BUILDER_POINTS * 4) return "more patches than the test has room for";
+  for (uint32_t t = 0; t < s->n_tris; t++) some_tri[s->tri_patch[t]] = t;
+  for (uint32_t v = 0; v < n; v++)
+    for (uint32_t k = s->plane_start[v]; k < s->plane_start[v + 1]; k++) {
+      if (k > s->plane_start[v] && s->plane[k - 1] >= s->plane[k]) return "a vertex's planes do not rise";
+      const uint32_t *t = s->tri + 3 * (size_t)some_tri[s->plane[k]];
+      if (tet_orient3d(p, t[0], t[1], t[2], v) != 0) return "a vertex off a plane of its own";
+    }
+  for (uint32_t h = 0; h < 3 * s->n_tris; h++) {
+    uint32_t v = s->tri[h], k;
+    if (v >= n) continue;
+    for (k = s->plane_start[v]; k < s->plane_start[v + 1] && s->plane[k] != s->tri_patch[h / 3];) k++;
+    if (k == s->plane_start[v + 1]) return "a vertex that does not know its plane";
+  }
+  tet_planes planes = {s->plane_start, s->plane};
+  tet_points knowing = *p;
+  knowing.planes = &planes;
+  for (uint32_t h = 0; h < 3 * s->n_tris; h++) {
+    uint32_t a = some_tri[s->tri_patch[h / 3]];
+    uint32_t v[4] = {s->tri[3 * a], s->tri[3 * a + 1], s->tri[3 * a + 2], s->tri[h]};
+    if (!tet_are_in_one_plane(&knowing, v)) return "a patch not known to be flat";
+  }
+  return NULL;
+}
+
 static const char *segment_fault(const tet_surface *s, const tet_points *p) {
   for (uint32_t i = 0; i < s->n_segments; i++) {
     if (s->segment[i].a >= s->segment[i].b) return "a segment's ends are not in order";
@@ -180,6 +209,7 @@ const char *surface_fault(const tet_surface *s, const tet_points *points) {
   for (uint32_t t = 0; t < s->n_tris && !fault; t++) fault = triangle_fault(s, points, t);
   for (uint32_t h = 0; h < 3 * s->n_tris && !fault; h++) fault = edge_fault(s, points, h);
   if (!fault) fault = ring_fault(s);
+  if (!fault) fault = plane_fault(s, points);
   return fault ? fault : segment_fault(s, points);
 }
 

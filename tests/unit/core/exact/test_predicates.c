@@ -240,6 +240,40 @@ static void test_implicit_on_segment(void **unused) {
   assert_int_equal(tet_compare_distance(&p, 0, 3, 3), 0);
 }
 
+/* What is known to be coplanar: of one plane, implicit points by both their ends, or three of one
+ * segment. Here all of it is so, and nothing else. */
+static void test_known_planes(void **unused) {
+  (void)unused;
+  /* a prism over triangle 0 1 2: planes 0 (bottom), 1 (top), 2, 3, 4 (sides) */
+  double x[3 * 11] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
+  static const uint32_t start[7] = {0, 3, 6, 9, 12, 15, 18};
+  static const uint32_t of[18] = {0, 2, 4, 0, 2, 3, 0, 3, 4, 1, 2, 4, 1, 2, 3, 1, 3, 4};
+  static const tet_planes planes = {start, of};
+  tet_segment_point implicit[5] = {{0, 1, 0.1}, {0, 1, 0.7}, {1, 4, 0.3}, {3, 5, 0.9}, {2, 5, 0.2}};
+  tet_points p = {.x = x, .n = 11, .first_implicit = 6, .implicit = implicit, .max_abs = 1, .planes = &planes};
+  for (uint32_t i = 0; i < 5; i++)
+    tet_segment_point_round(&p, &implicit[i], x + 18 + 3 * i);
+  tet_points unknowing = p;
+  unknowing.planes = 0;
+  int flat = 0;
+  for (uint32_t i = 0; i < 11 * 11 * 11 * 11; i++) {
+    const uint32_t v[4] = {i % 11, i / 11 % 11, i / 121 % 11, i / 1331};
+    if (v[0] >= v[1] || v[1] >= v[2] || v[2] >= v[3])
+      continue;
+    int is_flat = tet_orient3d(&unknowing, v[0], v[1], v[2], v[3]) == 0;
+    int is_known = tet_are_in_one_plane(&p, v), is_on_line = tet_are_in_one_plane(&unknowing, v);
+    assert_true(is_flat || !is_known);
+    assert_true(is_known || !is_on_line);
+    assert_true(is_known || !is_flat || v[0] < 6); /* what is flat by chance has explicit vertices */
+    flat += is_known;
+  }
+  assert_true(flat > 50);
+  assert_true(tet_are_in_one_plane(&unknowing, (const uint32_t[4]){0, 6, 7, 5}));
+  assert_true(tet_are_in_one_plane(&p, (const uint32_t[4]){2, 6, 7, 1}));
+  assert_true(tet_are_in_one_plane(&p, (const uint32_t[4]){6, 8, 0, 4}));
+  assert_false(tet_are_in_one_plane(&p, (const uint32_t[4]){6, 8, 9, 10}));
+}
+
 /* Products of differences underflow here; answers must not. */
 static void test_underflow(void **unused) {
   (void)unused;
@@ -310,6 +344,7 @@ int main(void) {
       cmocka_unit_test(test_perturbation_is_consistent),
       cmocka_unit_test(test_implicit_on_facet),
       cmocka_unit_test(test_implicit_on_segment),
+      cmocka_unit_test(test_known_planes),
       cmocka_unit_test(test_underflow),
       cmocka_unit_test(test_least_denormal),
       cmocka_unit_test(test_extremes),

@@ -2,6 +2,7 @@
 /* Laws of the Delaunay complex on generated points: adjacency is mutual, every
  * finite tetrahedron positive, no neighbour in conflict, every vertex, edge and face
  * found again, and the result the same for every order of insertion. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -99,6 +100,59 @@ static void laws_hold_and_order_does_not_matter(void **state) {
     }
 }
 
+/* Edges and faces that are there are found from all ends, others are not; also where all stars
+ * but one are large. */
+static void edges_and_faces_are_found(void **state) {
+  (void)state;
+  enum { N = 150 };
+  static cloud p;
+  static uint8_t joined[N][N], face[N][N][N];
+  tet_ctx *ctx;
+  tet_complex c;
+  p.n = N; /* a shallow bowl between two hubs */
+  for (uint32_t i = 0; i < N; i++) {
+    double x = cos(2.4 * i) * sqrt(i), y = sin(2.4 * i) * sqrt(i);
+    double at[3] = {x, y, 0.001 * (x * x + y * y)}, hub[3] = {0, 0, i ? 3000 : -3000};
+    memcpy(p.x + 3 * (size_t)i, i < 2 ? hub : at, sizeof at);
+    p.ids[i] = i;
+  }
+  p.points = tet_points_explicit(p.x, p.n);
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  build(&c, ctx, &p, 1);
+  memset(joined, 0, sizeof joined);
+  memset(face, 0, sizeof face);
+  uint32_t largest = 0;
+  for (uint32_t t = 0; t < c.n_slots; t++) {
+    if (!tet_is_live(&c, t) || tet_is_ghost(&c, t)) continue;
+    const uint32_t *v = c.v + 4 * (size_t)t;
+    largest += tet_index_of(&c, t, 0) < 4;
+    for (int i = 0; i < 64; i++) joined[v[i & 3]][v[i >> 2 & 3]] = face[v[i & 3]][v[i >> 2 & 3]][v[i >> 4]] = 1;
+  }
+  assert_true(largest > 130);
+  for (uint32_t a = 0; a < N; a++)
+    for (uint32_t b = 0; b < N; b++) {
+      uint32_t t, h;
+      if (a == b) continue;
+      assert_int_equal(tet_complex_find_edge(&c, a, b, &t), TET_OK);
+      assert_int_equal(t != TET_NONE, joined[a][b]);
+      if (t != TET_NONE) assert_true(tet_index_of(&c, t, a) < 4 && tet_index_of(&c, t, b) < 4);
+      for (uint32_t d = (a + b) % 7; d < N; d += 7) {
+        if (d == a || d == b) continue;
+        assert_int_equal(tet_complex_find_face(&c, a, b, d, &h), TET_OK);
+        assert_int_equal(h != TET_NONE, face[a][b][d]);
+        if (h == TET_NONE) continue;
+        const uint8_t *f = tet_face[h & 3];
+        const uint32_t *v = c.v + (h & ~(size_t)3);
+        int k = 0;
+        while (v[f[k]] != a) k++;
+        assert_true(v[f[(k + 1) % 3]] == b && v[f[(k + 2) % 3]] == d);
+      }
+    }
+  tet_complex_free(&c);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
+}
+
 static void points_without_volume_are_refused(void **state) {
   (void)state;
   static cloud p;
@@ -145,7 +199,7 @@ static void a_budget_ends_the_run_cleanly(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(laws_hold_and_order_does_not_matter),
-      cmocka_unit_test(points_without_volume_are_refused),
+      cmocka_unit_test(edges_and_faces_are_found), cmocka_unit_test(points_without_volume_are_refused),
       cmocka_unit_test(a_budget_ends_the_run_cleanly),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
