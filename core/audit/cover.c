@@ -154,9 +154,9 @@ static tet_status take_cover(cover *c) {
   return status;
 }
 
-/* A number that facets with the same sides have in common. */
+/* A number that facets of one group with the same sides, or with none, have in common. */
 static uint64_t mark_of_sides(const tet_pls *pls, const tet_mesh *mesh, uint32_t f) {
-  uint64_t sum = 0;
+  uint64_t sum = mesh->facet_same_as[f] * 0x9e3779b97f4a7c15u;
   uint32_t p = pls->facet_start ? pls->facet_start[f] : f, q = pls->facet_start ? pls->facet_start[f + 1] : f + 1;
   for (; p < q; p++)
     for (uint32_t from = pls->polygon_start[p], to = pls->polygon_start[p + 1], i = from; i < to; i++) {

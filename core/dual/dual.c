@@ -12,6 +12,7 @@
 #include "base/vector.h"
 #include "dual/edges.h"
 #include "dual/shares.h"
+#include "exact/predicates.h"
 
 #include <math.h>
 #include <string.h>
@@ -61,6 +62,15 @@ static tet_status check_extent(const work *w) {
   return tet_fail(w->ctx, TET_E_NOT_FINITE, "Voronoi volumes of an extent of %g are out of range", extent);
 }
 
+/* Of a tetrahedron whose shares cannot be had: its lengths are too unlike, or it should not be there. */
+static tet_status refuse(const work *w, size_t t) {
+  const double *x = w->mesh->points;
+  const uint32_t *v = w->mesh->tetrahedra + 4 * t;
+  if (tet_orient3d_xyz(x + 3 * (size_t)v[0], x + 3 * (size_t)v[1], x + 3 * (size_t)v[2], x + 3 * (size_t)v[3]) <= 0)
+    return tet_internal(w->ctx, "a tetrahedron is not positive");
+  return tet_fail(w->ctx, TET_E_NOT_FINITE, "Voronoi volumes of tetrahedron %zu, by vertex %u, are out of range", t, v[0]);
+}
+
 static tet_status sum_factors(work *w) {
   const tet_mesh *m = w->mesh;
   w->factor = tet_calloc(w->ctx, w->edges.n, sizeof *w->factor);
@@ -71,7 +81,7 @@ static tet_status sum_factors(work *w) {
     tet_shares s;
     tet_status status = look_up(w, t, m->n_tetrahedra);
     if (status != TET_OK) return status;
-    if (!tet_shares_of(m->points, v, &s)) return tet_internal(w->ctx, "a tetrahedron is not positive");
+    if (!tet_shares_of(m->points, v, &s)) return refuse(w, t);
     for (int e = 0; e < 6; e++) {
       uint32_t row = tet_region_edge(&w->edges, v[tet_edge[e][0]], v[tet_edge[e][1]], m->tetrahedron_regions[t]);
       w->factor[row] += s.edge[e];

@@ -118,9 +118,11 @@ int refine_cavity_is_exact(const refiner *r) {
   return 1;
 }
 
-/* Three input vertices of facet f that are far from collinear; 0: there are none. */
+/* Three input vertices of facet f that are far from collinear; 0: there are none, as of one that another
+ * takes the place of. */
 static int base_of(const refiner *r, uint32_t f, uint32_t ret[3]) {
   double far2[2] = {0, 0};
+  ret[0] = ret[1] = ret[2] = 0;
   for (int step = 0; step < 3; step++)
     for (uint32_t i = r->facet_vertex_start[f]; i < r->facet_vertex_start[f + 1]; i++) {
       uint32_t v = r->facet_vertex[i];
