@@ -193,6 +193,26 @@ static void extents_out_of_range_are_refused(void **state) {
   }
 }
 
+/* A positive tetrahedron whose volume is no double beside its longest edge; and a negative one, a bug. */
+static void lengths_too_unlike_are_refused(void **state) {
+  (void)state;
+  const double small = ldexp(1, -1000);
+  double points[12] = {0, 0, 0, ldexp(1, 250), 0, 0, 0, small, 0, 0, 0, small};
+  uint32_t tets[4] = {0, 1, 2, 3}, regions[1] = {0};
+  for (int turned = 0; turned < 2; turned++) {
+    tet_ctx *ctx;
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    tet_mesh m = {.ctx = ctx, .n_points = 4, .points = points, .n_tetrahedra = 1, .tetrahedra = tets,
+                  .tetrahedron_regions = regions};
+    tets[0] = (uint32_t)turned;
+    tets[1] = (uint32_t)!turned;
+    assert_int_equal(tet_voronoi_factors(ctx, &m), turned ? TET_E_INTERNAL : TET_E_NOT_FINITE);
+    assert_null(m.cell_volumes);
+    forget(&m);
+    tet_ctx_free(ctx);
+  }
+}
+
 /* A vertex with more tetrahedra than are sorted by insertion: a fan around an axis. */
 static void many_at_a_vertex(void **state) {
   (void)state;
@@ -254,6 +274,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(boxes), cmocka_unit_test(cube_of_five),
                                      cmocka_unit_test(negative_factors_are_told),
                                      cmocka_unit_test(extents_out_of_range_are_refused),
+                                     cmocka_unit_test(lengths_too_unlike_are_refused),
                                      cmocka_unit_test(many_at_a_vertex),
                                      cmocka_unit_test(region_touching_itself)};
   return cmocka_run_group_tests_name("factors", tests, NULL, NULL);
