@@ -65,6 +65,24 @@ static tet_status push_new(refiner *r, refine_list *list, uint32_t value) {
   return refine_push(r, list, value);
 }
 
+/* Puts the subsegment first in whose diametric ball the cavity's point is deepest. */
+static void deepest_first(refiner *r) {
+  refine_list *hits = &r->hit_segs;
+  double widest = 2;
+  uint32_t best = 0;
+  for (uint32_t k = 0; k < hits->n; k++) {
+    const uint32_t *v = r->seg_v + 2 * (size_t)hits->at[k];
+    double cosine = cosine_over(r, v[0], v[1], r->cavity.p);
+    if (!(cosine < widest)) continue;
+    widest = cosine;
+    best = k;
+  }
+  if (!best) return;
+  uint32_t first = hits->at[0];
+  hits->at[0] = hits->at[best];
+  hits->at[best] = first;
+}
+
 /* The subsegments, and if asked for the subfaces, at the grown cavity that its
  * point encroaches upon or, being beyond it, cannot be seen from: the first few of each, for the
  * search began near the point's cause, and no more are tried. */
@@ -89,6 +107,7 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
         status = push_new(r, &r->hit_subs, s);
     }
   }
+  deepest_first(r);
   return status;
 }
 

@@ -149,8 +149,8 @@ static double fraction(const refiner *r, uint32_t e, uint32_t by, double length)
   }
   double cut = beside(r, a, b, by, length) * off_tie(r);
   if (cut > least && cut < 1 - least) return cut;
-  int at_a = a < r->n_first && r->acute_end[a], at_b = b < r->n_first && r->acute_end[b];
-  if (!(r->segment_sharp[r->seg_of[e]] & 1) || at_a == at_b) return 0.5;
+  int at_a = a < r->n_first && (r->segment_end[a] & END_ACUTE), at_b = b < r->n_first && (r->segment_end[b] & END_ACUTE);
+  if (!(r->segment_sharp[r->seg_of[e]] & END_ACUTE) || at_a == at_b) return 0.5;
   int power;
   frexp(length * (2.0 / 3.0), &power);
   cut = ldexp(1.0, power - 1) / length * off_tie(r); /* about 1/3 to 2/3 */
