@@ -319,6 +319,10 @@ tet_status refine_queue_tet(refiner *r, uint32_t t);
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver);
 tet_status refine_open_queue(refiner *r);
 
+/* cut.c */
+double refine_off_tie(const refiner *r);
+double refine_cut(const refiner *r, uint32_t e, uint32_t by, double length);
+
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */
 tet_status refine_insert(refiner *r, int *ret_ok);
 void refine_spend(refiner *r);
