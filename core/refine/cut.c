@@ -125,6 +125,7 @@ static double best_cut(const refiner *r, uint32_t e, double low, double high, do
   look_around(r, e, &around);
   double best = fmin(fmax(0.5, low), high);
   int least = price(r, &around, best);
+  if (!least) return best;
   for (uint32_t k = 0; k < 3 * around.n; k++) {
     uint32_t v = r->sub_v[3 * (size_t)around.sub[k / 3] + k % 3];
     if (v == a || v == b) continue;

@@ -99,7 +99,7 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
       if (!(r->tet_edges[t] >> e & 1) || tet_dot_sign(&r->points, a, b, c->p) >= 0) continue;
       status = push_new(r, &r->hit_segs, refine_find_seg(r, a, b));
     }
-    for (uint32_t i = 0; i < 4 && subfaces && r->hit_subs.n < MOST_TRIED && !status; i++) {
+    for (uint32_t i = 0; i < 4 && subfaces && !r->hit_segs.n && r->hit_subs.n < MOST_TRIED && !status; i++) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint8_t *f = tet_face[i];
