@@ -67,7 +67,25 @@ static tet_status push_new(refiner *r, refine_list *list, uint32_t value) {
   return refine_push(r, list, value);
 }
 
-/* refine_collect_hits of the cavity's tetrahedra from the one numbered `from` on. */
+/* Puts the subsegment first in whose diametric ball the cavity's point is deepest. */
+static void deepest_first(refiner *r) {
+  refine_list *hits = &r->hit_segs;
+  double widest = 2;
+  uint32_t best = 0;
+  for (uint32_t k = 0; k < hits->n; k++) {
+    const uint32_t *v = r->seg_v + 2 * (size_t)hits->at[k];
+    double cosine = cosine_over(r, v[0], v[1], r->cavity.p);
+    if (!(cosine < widest)) continue;
+    widest = cosine;
+    best = k;
+  }
+  if (!best) return;
+  uint32_t first = hits->at[0];
+  hits->at[0] = hits->at[best];
+  hits->at[best] = first;
+}
+
+/* refine_collect_hits of the cavity's tetrahedra from the one numbered `from` on, the deepest first. */
 static tet_status collect(refiner *r, size_t from, int subfaces) {
   const refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
@@ -79,7 +97,7 @@ static tet_status collect(refiner *r, size_t from, int subfaces) {
       if (!(r->tet_edges[t] >> e & 1) || tet_dot_sign(&r->points, a, b, c->p) >= 0) continue;
       status = push_new(r, &r->hit_segs, refine_find_seg(r, a, b));
     }
-    for (uint32_t i = 0; i < 4 && subfaces && r->hit_subs.n < MOST_TRIED && !status; i++) {
+    for (uint32_t i = 0; i < 4 && subfaces && !r->hit_segs.n && r->hit_subs.n < MOST_TRIED && !status; i++) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint8_t *f = tet_face[i];
@@ -87,6 +105,7 @@ static tet_status collect(refiner *r, size_t from, int subfaces) {
         status = push_new(r, &r->hit_subs, s);
     }
   }
+  deepest_first(r);
   return status;
 }
 

@@ -50,6 +50,12 @@ typedef enum refine_outcome {
   OUTCOME_REJECTED
 } refine_outcome;
 
+/* What a first vertex is an end of. */
+enum {
+  END_ACUTE = 1, /* segments below 60 degrees to each other */
+  END_SHARP = 2  /* a sharp segment */
+};
+
 enum { MOST_TRIED = 8 }; /* subsegments or subfaces for one candidate, about */
 
 typedef struct refine_patch {
@@ -165,7 +171,7 @@ typedef struct refiner {
   uint8_t *facet_thin;           /* [facet] 1: at a dihedral angle of so small a sine as `thin` */
   uint64_t thin_points;          /* that may still be inserted there */
   uint32_t n_sharp, n_wedges;    /* segments; those at sharp dihedral angles */
-  uint8_t *acute_end;            /* [first vertices] 1: end of segments below 60 degrees */
+  uint8_t *segment_end;          /* [first vertices] bits: END_ACUTE, END_SHARP */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
   uint32_t *segment_facet_start, *segment_facet; /* [segment] facets at each */
   uint32_t *facet_vertex_start, *facet_vertex;   /* [facet] first vertices on each */
@@ -248,7 +254,6 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
 double refine_edge_distance2(const double *a, const double *b, const double *x);
 int refine_needs_sizes(const refiner *r);
 int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause);
-int refine_segment_is_thin(const refiner *r, uint32_t segment);
 int refine_is_thin(const refiner *r, uint32_t p);
 int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n);
 
@@ -323,10 +328,15 @@ tet_status refine_queue_tet(refiner *r, uint32_t t);
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver);
 tet_status refine_open_queue(refiner *r);
 
+/* cut.c */
+double refine_off_tie(const refiner *r);
+double refine_cut(const refiner *r, uint32_t e, uint32_t by, double length);
+
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */
 tet_status refine_insert(refiner *r, int *ret_ok);
 void refine_spend(refiner *r);
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
+tet_status refine_split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret);
 

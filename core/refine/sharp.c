@@ -46,7 +46,7 @@ static tet_status plane_angles(refiner *r) {
           r->segment_sharp[at[k ? j : i]] |= 1;
           r->segment_sine[at[k ? j : i]] = fmin(r->segment_sine[at[k ? j : i]], sine);
         }
-        r->acute_end[v] = 1;
+        r->segment_end[v] = END_ACUTE;
       }
     status = tet_poll(r->ctx);
   }
@@ -110,19 +110,22 @@ static void dihedral_angles(refiner *r) {
   }
 }
 
-/* Fills segment_sharp, segment_sine, facet_thin, acute_end and n_sharp; creases are never sharp. */
+/* Fills segment_sharp, segment_sine, facet_thin, segment_end and n_sharp; creases are never sharp. */
 tet_status refine_find_sharp(refiner *r) {
   r->segment_sharp = tet_calloc(r->ctx, r->out->n_segments, 1);
   r->segment_sine = tet_alloc(r->ctx, r->out->n_segments, sizeof *r->segment_sine);
   r->facet_thin = tet_calloc(r->ctx, r->out->n_facets, 1);
-  r->acute_end = tet_calloc(r->ctx, r->points.n, 1);
-  if (!r->segment_sharp || !r->segment_sine || !r->facet_thin || !r->acute_end) return TET_E_MEMORY;
+  r->segment_end = tet_calloc(r->ctx, r->points.n, 1);
+  if (!r->segment_sharp || !r->segment_sine || !r->facet_thin || !r->segment_end) return TET_E_MEMORY;
   for (uint32_t s = 0; s < r->out->n_segments; s++) r->segment_sine[s] = 1;
   tet_status status = plane_angles(r);
   if (status) return status;
   dihedral_angles(r);
   for (uint32_t s = 0; s < r->out->n_segments; s++) {
-    r->n_sharp += r->segment_sharp[s] != 0;
+    if (!r->segment_sharp[s]) continue;
+    r->segment_end[r->out->segment[s].a] |= END_SHARP;
+    r->segment_end[r->out->segment[s].b] |= END_SHARP;
+    r->n_sharp++;
     r->n_wedges += (r->segment_sharp[s] & 2) != 0;
   }
   return TET_OK;

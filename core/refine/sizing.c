@@ -229,7 +229,7 @@ void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours,
 }
 
 /* 1 if the segment is in a thin facet. */
-int refine_segment_is_thin(const refiner *r, uint32_t segment) {
+static int segment_is_thin(const refiner *r, uint32_t segment) {
   for (uint32_t i = r->segment_facet_start[segment]; i < r->segment_facet_start[segment + 1]; i++)
     if (r->facet_thin[r->segment_facet[i]]) return 1;
   return 0;
@@ -238,7 +238,13 @@ int refine_segment_is_thin(const refiner *r, uint32_t segment) {
 /* 1 if Steiner point p is in a thin facet. */
 int refine_is_thin(const refiner *r, uint32_t p) {
   uint32_t carrier = r->out->carrier[p];
-  return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : refine_segment_is_thin(r, carrier);
+  return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : segment_is_thin(r, carrier);
+}
+
+/* 1 if v is on a sharp segment: only there is H_s of (4.3), and are balls, not 0. */
+static int on_sharp(const refiner *r, uint32_t v) {
+  if (r->out->origin[v] == TET_ORIGIN_SEGMENT) return r->segment_sharp[r->out->carrier[v]] != 0;
+  return v < r->n_first && r->segment_end[v] & END_SHARP;
 }
 
 /* 0 where nothing is rejected, as nothing need be (3.3.1): without a sharp segment, at a bound with that
@@ -248,7 +254,7 @@ int refine_needs_sizes(const refiner *r) {
 }
 
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
- * `vertices`, of alpha times their size. What existing vertices force (R1* (2),
+ * `vertices`, of alpha times their size where these are on sharp segments. What existing vertices force (R1* (2),
  * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it
  * has no end; elsewhere by the floor. Sheets that all but touch have a budget on top: lfs
  * bounds their points, but by no number that can be waited for. */
@@ -262,7 +268,7 @@ int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n,
     const double *y = refine_x(r, v);
     double d = tet_distance2(x, y);
     double ball = (r->n_wedges ? r->o.wedge_floor : r->o.floor) * r->size[v];
-    double sharp = cause == CAUSE_CENTRE && r->n_sharp ? alpha * r->size[v] : r->o.wedge * alpha * r->sharp_size[v];
+    double size = cause == CAUSE_VERTEX ? r->o.wedge * r->sharp_size[v] : on_sharp(r, v) ? r->size[v] : 0, sharp = alpha * size;
     if (sharp > ball) ball = sharp;
     if (d > ball * ball) continue;
     rejected = 1;

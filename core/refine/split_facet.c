@@ -92,11 +92,14 @@ static int walk(const refiner *r, uint32_t s, uint32_t p, uint32_t *ret_sub, uin
   return 0;
 }
 
-/* R1 on the first of the subsegments hit that can be split. */
-static tet_status split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret) {
+/* R1 on the first of the subsegments hit that can be split; for a circumcentre's sake on none after one that
+ * is protected: a point beside it heals nothing. */
+tet_status refine_split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret) {
   *ret = OUTCOME_REJECTED;
   tet_status status = TET_OK;
-  for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED; k++)
+  uint64_t protected = r->result.rejected.protected_ball;
+  for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED &&
+                       (cause == CAUSE_VERTEX || protected == r->result.rejected.protected_ball); k++)
     status = refine_split_seg(r, r->hit_segs.at[k], TET_NONE, cause, ret);
   return status;
 }
@@ -141,7 +144,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   refine_cavity_clear(r);
   refine_drop_point(r);
   if (missed) return halve_edge(r, s, cause, ret);
-  return r->hit_segs.n ? split_hit_segs(r, cause, ret) : TET_OK;
+  return r->hit_segs.n ? refine_split_hit_segs(r, cause, ret) : TET_OK;
 }
 
 /* Halves the longest edge of s, for a subface that its circumcentre does not replace, or whose circumcentre

@@ -2,7 +2,10 @@
 /* split_tet.c: rule R3. The candidate is the circumcentre; one that encroaches
  * upon subsegments or subfaces, or lies beyond a subface, has one of those split
  * instead, subsegments first. Before it an off-centre is tried, where that is much
- * closer: fewer vertices do then, by a twentieth at bound 2 and a quarter at 1.2. */
+ * closer: fewer vertices do then, by a twentieth at bound 2 and a quarter at 1.2. What
+ * is over the bound for the sake of a subface that is over it itself, as in narrow corners of facets,
+ * gets no point in the volume: subsegments or that subface are split, or what protects them leaves
+ * it as it is. */
 #include "refine/refiner.h"
 
 #include "base/vector.h"
@@ -11,21 +14,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Splits the first that can be of what the candidate hit; where that is in a thin facet, what is
- * near fares no better. */
+/* Splits the first that can be of what the candidate hit; none after one that is protected: a point beside
+ * it heals nothing, but leaves more over the bound. */
 static tet_status split_hits(refiner *r, refine_outcome *ret) {
-  tet_status status = TET_OK;
+  if (r->hit_segs.n) return refine_split_hit_segs(r, CAUSE_CENTRE, ret);
   *ret = OUTCOME_REJECTED;
-  int thin = 0;
-  for (uint32_t k = 0; k < r->hit_segs.n && !thin && !status && *ret != OUTCOME_INSERTED; k++) {
-    thin = refine_segment_is_thin(r, r->seg_of[r->hit_segs.at[k]]);
-    status = refine_split_seg(r, r->hit_segs.at[k], TET_NONE, CAUSE_CENTRE, ret);
-  }
-  if (r->hit_segs.n) return status;
-  for (uint32_t k = 0; k < r->hit_subs.n && !thin && !status && *ret != OUTCOME_INSERTED; k++) {
-    thin = r->facet_thin[r->patch[r->sub_patch[r->hit_subs.at[k]]].facet];
+  tet_status status = TET_OK;
+  uint64_t protected = r->result.rejected.protected_ball;
+  for (uint32_t k = 0; k < r->hit_subs.n && !status && *ret != OUTCOME_INSERTED &&
+                       protected == r->result.rejected.protected_ball; k++)
     status = refine_split_sub(r, r->hit_subs.at[k], CAUSE_CENTRE, ret);
-  }
   return status;
 }
 
@@ -36,10 +34,14 @@ static int is_place(const double x[3]) {
   return so;
 }
 
-/* Inserts x for tetrahedron t, or splits `instead` what it encroaches upon. */
-static tet_status try_point(refiner *r, uint32_t t, const double x[3], int instead, refine_outcome *ret) {
+/* What a candidate is tried for: itself, what it encroaches upon, or either. */
+typedef enum attempt { POINT_ONLY, INSTEAD_ONLY, POINT_OR_INSTEAD } attempt;
+
+/* Inserts x for tetrahedron t, or splits instead what it encroaches upon. */
+static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt what, refine_outcome *ret) {
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   *ret = OUTCOME_REJECTED;
+  r->hit_segs.n = r->hit_subs.n = 0;
   if (!is_place(x)) {
     r->result.rejected.outside++;
     return TET_OK;
@@ -57,7 +59,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
   status = refine_grow_or_hit(r, p, t);
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
-  if (!hit) {
+  if (!hit && what != INSTEAD_ONLY) {
     int watched = refine_needs_sizes(r);
     if (watched) status = refine_cavity_vertices(r);
     if (status) return status;
@@ -76,7 +78,21 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
   }
   refine_cavity_clear(r);
   refine_drop_point(r);
-  return hit && instead ? split_hits(r, ret) : TET_OK;
+  return hit && what != POINT_ONLY ? split_hits(r, ret) : TET_OK;
+}
+
+/* The shortest edge of t. */
+static int shortest_edge(const refiner *r, uint32_t t) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  double shortest2 = INFINITY;
+  int shortest = 0;
+  for (int e = 0; e < 6; e++) {
+    double length2 = tet_distance2(refine_x(r, v[refine_edge[e][0]]), refine_x(r, v[refine_edge[e][1]]));
+    if (!(length2 < shortest2)) continue;
+    shortest2 = length2;
+    shortest = e;
+  }
+  return shortest;
 }
 
 /* A point from the shortest edge's midpoint towards circumcentre c, rho_0 times
@@ -85,16 +101,12 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], int inste
  * circumcentre. 0 if that is about the circumcentre, as where the ratio holds. */
 static int off_centre(const refiner *r, uint32_t t, const double c[3], double x[3]) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-  double d[3], shortest2 = INFINITY;
-  for (int e = 0; e < 6; e++) {
-    const double *a = refine_x(r, v[refine_edge[e][0]]), *b = refine_x(r, v[refine_edge[e][1]]);
-    tet_minus(a, b, d);
-    if (!(tet_square(d) < shortest2)) continue;
-    shortest2 = tet_square(d);
-    for (int i = 0; i < 3; i++) x[i] = 0.5 * (a[i] + b[i]);
-  }
+  const uint8_t *e = refine_edge[shortest_edge(r, t)];
+  const double *a = refine_x(r, v[e[0]]), *b = refine_x(r, v[e[1]]);
+  double d[3];
+  for (int i = 0; i < 3; i++) x[i] = 0.5 * (a[i] + b[i]);
   tet_minus(c, x, d);
-  double share = r->o.radius_edge * sqrt(shortest2 / tet_square(d));
+  double share = r->o.radius_edge * sqrt(tet_distance2(a, b) / tet_square(d));
   if (!(share > 0 && share < 0.8)) return 0; /* 0: of a centre at infinity */
   for (int i = 0; i < 3; i++) x[i] += share * d[i];
   return 1;
@@ -127,13 +139,54 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   }
 }
 
+/* The subface at face h, if it is over the radius-edge bound itself, else TET_NONE. */
+static uint32_t long_wall(const refiner *r, size_t h) {
+  uint32_t s = refine_sub_at(r, h);
+  if (s == TET_NONE) return TET_NONE;
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
+  double p[3], q[3], e[3], n[3];
+  tet_minus(refine_x(r, v[1]), refine_x(r, v[0]), p);
+  tet_minus(refine_x(r, v[2]), refine_x(r, v[0]), q);
+  tet_minus(p, q, e);
+  tet_cross(p, q, n);
+  double pp = tet_square(p), qq = tet_square(q), ee = tet_square(e), reach = 2 * r->o.radius_edge;
+  return pp * qq * ee > reach * reach * tet_square(n) * fmin(fmin(pp, qq), ee) ? s : TET_NONE;
+}
+
+/* The wall that the tetrahedra around edge ab end at, from t on through its face opposite x, or SIZE_MAX
+ * if there is none. */
+static size_t fan_end(const refiner *r, uint32_t t, uint32_t a, uint32_t b, uint32_t x) {
+  for (uint32_t u = t;;) {
+    const uint32_t *v = r->mesh.v + 4 * (size_t)u;
+    size_t h = 4 * (size_t)u + refine_corner(r, u, x);
+    if (refine_sub_at(r, h) != TET_NONE || r->mesh.adj[h] == TET_NONE) return h;
+    x = v[0] ^ v[1] ^ v[2] ^ v[3] ^ a ^ b ^ x;
+    u = r->mesh.adj[h] >> 2;
+    if (u == t) return SIZE_MAX;
+  }
+}
+
+/* A subface over the bound that keeps t over it, whatever is inserted off it: one of its own, on which no
+ * tetrahedron has a better ratio; or, where both that the tetrahedra around its shortest edge end at are over,
+ * one of these. TET_NONE: there is none. */
+static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  const uint8_t *e = refine_edge[shortest_edge(r, t)], *f = refine_edge[5 - shortest_edge(r, t)];
+  uint32_t wall = TET_NONE;
+  for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4 && wall == TET_NONE; h++) wall = long_wall(r, h);
+  if (wall != TET_NONE) return wall;
+  size_t end = fan_end(r, t, v[e[0]], v[e[1]], v[f[0]]);
+  if (end == SIZE_MAX || long_wall(r, end) == TET_NONE) return TET_NONE;
+  return long_wall(r, fan_end(r, t, v[e[0]], v[e[1]], v[f[1]]));
+}
+
 /* Where segments meet below 60 degrees and circumcentre x hits something, that is split first, as off-centres
  * would leave more tetrahedra over the bound: then *ret_hit = 1, and *ret is what came of that. */
 static tet_status hits_first(refiner *r, uint32_t t, const double x[3], int *ret_hit, refine_outcome *ret) {
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   int acute = 0;
   *ret_hit = 0;
-  for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && r->acute_end[corner[i]];
+  for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && (r->segment_end[corner[i]] & END_ACUTE);
   if (!acute || !is_place(x)) return TET_OK;
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
@@ -147,27 +200,55 @@ static tet_status hits_first(refiner *r, uint32_t t, const double x[3], int *ret
   return *ret_hit ? split_hits(r, ret) : TET_OK;
 }
 
+/* For t, over the bound because of subface `wall`: no point in the volume. *ret_kept = 1 where what could be
+ * split is protected, so that t stays. */
+static tet_status split_wall(refiner *r, uint32_t t, uint32_t wall, const double centre[3], refine_outcome *ret,
+                             int *ret_kept) {
+  uint64_t noise = r->result.rejected.outside, protected = r->result.rejected.protected_ball;
+  double x[3];
+  tet_status status = try_point(r, t, centre, INSTEAD_ONLY, ret);
+  if (!status && noise != r->result.rejected.outside) {
+    face_centre(r, t, x);
+    status = try_point(r, t, x, INSTEAD_ONLY, ret);
+  }
+  if (!status && *ret == OUTCOME_REJECTED && !r->hit_segs.n && !r->hit_subs.n)
+    status = refine_split_sub(r, wall, CAUSE_CENTRE, ret);
+  *ret_kept = *ret == OUTCOME_REJECTED && protected != r->result.rejected.protected_ball;
+  return status;
+}
+
+/* A point in the volume for t, or what that encroaches upon. */
+static tet_status split_volume(refiner *r, uint32_t t, double shortest2, const double centre[3], refine_outcome *ret) {
+  double x[3];
+  tet_status status = TET_OK;
+  int is_off = off_centre(r, t, centre, x), hit = 0;
+  if (is_off) status = hits_first(r, t, centre, &hit, ret);
+  if (!status && is_off && !hit) status = try_point(r, t, x, POINT_ONLY, ret);
+  uint64_t noise = r->result.rejected.outside;
+  if (!status && !hit && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, POINT_OR_INSTEAD, ret);
+  if (!status && noise != r->result.rejected.outside) {
+    face_centre(r, t, x);
+    refine_pick(r, shortest2, x);
+    status = try_point(r, t, x, POINT_OR_INSTEAD, ret);
+  }
+  if (!status && hit && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x))
+    status = try_point(r, t, x, POINT_ONLY, ret);
+  return status;
+}
+
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret) {
   uint32_t old[4];
-  double centre[3], x[3];
+  double centre[3];
   memcpy(old, r->mesh.v + 4 * (size_t)t, sizeof old);
   refine_circumcentre(r, t, shape, centre);
   r->picking = is_sliver;
   refine_pick(r, shape->shortest2, centre);
-  tet_status status = TET_OK;
   *ret = OUTCOME_REJECTED;
-  int is_off = off_centre(r, t, centre, x), hit = 0;
-  if (is_off) status = hits_first(r, t, centre, &hit, ret);
-  if (!status && is_off && !hit) status = try_point(r, t, x, 0, ret);
-  uint64_t noise = r->result.rejected.outside;
-  if (!status && !hit && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, 1, ret);
-  if (!status && noise != r->result.rejected.outside) {
-    face_centre(r, t, x);
-    refine_pick(r, shape->shortest2, x);
-    status = try_point(r, t, x, 1, ret);
-  }
-  if (!status && hit && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x))
-    status = try_point(r, t, x, 0, ret);
+  uint32_t wall = refine_over_ratio(r, shape) ? wall_to_blame(r, t) : TET_NONE;
+  tet_status status = TET_OK;
+  int kept = 0;
+  if (wall != TET_NONE) status = split_wall(r, t, wall, centre, ret, &kept);
+  if (!status && *ret == OUTCOME_REJECTED && !kept) status = split_volume(r, t, shape->shortest2, centre, ret);
   r->picking = 0;
   if (status || *ret != OUTCOME_INSERTED) return status;
   return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;
