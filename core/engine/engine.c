@@ -66,6 +66,8 @@ static void count(tet_report *report, const tet_build_result *built, const tet_r
   report->counts.first_slivers = refined->n_first_slivers;
   report->counts.sliver_points = refined->sliver_points;
   report->counts.sliver_budget = refined->sliver_budget;
+  report->counts.thin_points = refined->thin_points;
+  report->counts.thin_budget = refined->thin_budget;
 }
 
 /* Only of a mesh that is one. */

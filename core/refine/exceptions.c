@@ -101,8 +101,10 @@ tet_status refine_list_exceptions(refiner *r) {
   }
   if (!status)
     status = fill(r, &over, label, 0, &ret->exception_tet, &ret->exception_value, &ret->exception_segment);
-  if (!status && over.tet.n && r->n_sharp) status = refine_trace(r, over.tet.n, over.tet.at, ret->exception_segment);
+  if (!status && over.tet.n && r->n_sharp) status = refine_trace(r, over.tet.n, over.tet.at, 0, ret->exception_segment);
   if (!status) status = fill(r, &slivers, label, 1, &ret->sliver_tet, &ret->sliver_cosine, &ret->sliver_segment);
+  if (!status && slivers.tet.n && r->n_sharp)
+    status = refine_trace(r, slivers.tet.n, slivers.tet.at, 1, ret->sliver_segment);
   if (!status) {
     ret->n_exceptions = over.tet.n;
     ret->n_slivers = slivers.tet.n;

@@ -126,7 +126,7 @@ static tet_status remove_slivers(refiner *r) {
 
 static tet_status run(refiner *r) {
   enum { LEAST_THIN_POINTS = 500 };
-  r->thin_points = (uint64_t)(r->o.thin_points * r->n_first) + LEAST_THIN_POINTS;
+  r->result.thin_budget = r->thin_points = (uint64_t)(r->o.thin_points * r->n_first) + LEAST_THIN_POINTS;
   tet_status status = refine_unbend(r);
   if (!status) status = refine_check_delaunay(r);
   r->exact = !r->result.n_not_delaunay && refine_facets_are_flat(r);
@@ -160,6 +160,7 @@ tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options
     tet_refine_result_free(ctx, &r.result);
   } else {
     r.result.n_sharp_segments = r.n_sharp;
+    r.result.thin_points = r.result.thin_budget - r.thin_points;
     *ret = r.result;
   }
   refine_release(&r);

@@ -48,6 +48,7 @@ typedef struct tet_refine_result {
   uint64_t n_first_slivers;      /* before their removal */
   uint64_t sliver_points;        /* vertices that their removal inserted */
   uint64_t sliver_budget;        /* at which it ended, or would have */
+  uint64_t thin_points, thin_budget; /* inserted in thin facets, and how many may be */
   tet_trace trace;               /* of the exceptions */
   uint32_t n_exceptions;         /* tetrahedra over a bound */
   uint32_t *exception_tet;       /* [n] ascending; row of pieces->tets */

@@ -349,7 +349,7 @@ tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done);
 
 /* trace.c */
 void refine_note_blame(refiner *r, uint32_t v);
-tet_status refine_trace(refiner *r, uint32_t n, const uint32_t *tet, uint32_t *segment);
+tet_status refine_trace(refiner *r, uint32_t n, const uint32_t *tet, int is_sliver, uint32_t *segment);
 
 /* exceptions.c */
 tet_status refine_list_exceptions(refiner *r);

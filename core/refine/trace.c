@@ -29,32 +29,60 @@ void refine_note_blame(refiner *r, uint32_t v) {
   if (r->tracing && r->blamed == TET_NONE && r->sharp_at[v] != TET_NONE) r->blamed = r->sharp_at[v];
 }
 
-/* Counts how far subsegment e is from tetrahedron t. */
-static void measure(refiner *r, uint32_t t, uint32_t e) {
-  tet_trace *ret = &r->result.trace;
-  refine_shape shape;
-  double c[3], corner2 = INFINITY, size = 0;
+/* How far tetrahedron t is from subsegment e, in radii of its protecting balls over its segment's sine. */
+static double distance(const refiner *r, uint32_t t, uint32_t e) {
+  double corner2 = INFINITY, size = 0;
   const double *a = refine_x(r, r->seg_v[2 * (size_t)e]), *b = refine_x(r, r->seg_v[2 * (size_t)e + 1]);
+  for (int i = 0; i < 2; i++) size = fmax(size, r->o.alpha2 * r->size[r->seg_v[2 * (size_t)e + i]]);
+  for (size_t i = 4 * (size_t)t; i < 4 * (size_t)t + 4; i++)
+    corner2 = fmin(corner2, refine_edge_distance2(a, b, refine_x(r, r->mesh.v[i])));
+  return corner2 > 0 ? sqrt(corner2) * r->segment_sine[r->seg_of[e]] / size : 0;
+}
+
+/* 1 if the circumcentre of tetrahedron t is as near to an end of subsegment e as Theorem 4.2.3 says. */
+static int is_within(const refiner *r, uint32_t t, uint32_t e) {
+  refine_shape shape;
+  double c[3];
   refine_measure(r, t, &shape);
   refine_circumcentre(r, t, &shape, c);
-  int within = 0;
   for (int i = 0; i < 2; i++) {
     uint32_t p = r->seg_v[2 * (size_t)e + i];
     double reach = r->o.alpha2 * r->size[p];
-    within |= tet_distance2(refine_x(r, p), c) <= 2 * reach * reach;
-    size = fmax(size, reach);
+    if (tet_distance2(refine_x(r, p), c) <= 2 * reach * reach) return 1;
   }
-  ret->within += (uint64_t)within;
-  for (size_t i = 4 * (size_t)t; i < 4 * (size_t)t + 4; i++)
-    corner2 = fmin(corner2, refine_edge_distance2(a, b, refine_x(r, r->mesh.v[i])));
-  double farthest = sqrt(corner2) * r->segment_sine[r->seg_of[e]] / size;
-  if (farthest > ret->farthest) ret->farthest = farthest;
+  return 0;
 }
 
-/* segment[k]: of tet[k] the subsegment to blame, where it is found; else it is left as it is. */
-tet_status refine_trace(refiner *r, uint32_t n, const uint32_t *tet, uint32_t *segment) {
+/* The subsegment to list tetrahedron t with: the one to blame, if that is within reach, else the nearest
+ * of that, `nearest` and those at its corners. */
+static uint32_t choose(const refiner *r, uint32_t t, uint32_t nearest, double *ret_far) {
+  uint32_t best = r->blamed, other[5] = {nearest};
+  double least = best == TET_NONE ? INFINITY : distance(r, t, best);
+  for (int i = 0; i < 4; i++) other[1 + i] = r->sharp_at[r->mesh.v[4 * (size_t)t + i]];
+  for (int i = 0; i < 5 && least > TET_TRACE_REACH; i++) {
+    double far = other[i] == TET_NONE ? INFINITY : distance(r, t, other[i]);
+    if (far >= least) continue;
+    least = far;
+    best = other[i];
+  }
+  *ret_far = least;
+  return best;
+}
+
+/* Counts tetrahedron t, listed with subsegment e, which is that far from it. */
+static void count(refiner *r, uint32_t t, uint32_t e, double far, int is_sliver) {
+  tet_trace *ret = &r->result.trace;
+  *(is_sliver ? &ret->slivers : &ret->traced) += far <= TET_TRACE_REACH;
+  if (is_sliver) return;
+  ret->followed += e == r->blamed;
+  ret->within += (uint64_t)is_within(r, t, e);
+  if (far > ret->farthest) ret->farthest = far;
+}
+
+/* segment[k]: of tet[k] the nearest sharp subsegment, then the one to blame; of none it is left as it is. */
+tet_status refine_trace(refiner *r, uint32_t n, const uint32_t *tet, int is_sliver, uint32_t *segment) {
   tet_rejections before = r->result.rejected;
-  tet_status status = sharp_subsegments(r, &r->sharp_at);
+  tet_status status = r->sharp_at ? TET_OK : sharp_subsegments(r, &r->sharp_at);
   r->tracing = 1;
   for (uint32_t k = 0; k < n && !status; k++) {
     refine_shape shape;
@@ -62,11 +90,9 @@ tet_status refine_trace(refiner *r, uint32_t n, const uint32_t *tet, uint32_t *s
     refine_measure(r, tet[k], &shape);
     r->blamed = TET_NONE;
     status = refine_split_tet(r, tet[k], &shape, 0, &outcome);
-    if (r->blamed != TET_NONE) {
-      segment[k] = r->blamed;
-      r->result.trace.traced++;
-    }
-    if (segment[k] != TET_NONE) measure(r, tet[k], segment[k]);
+    double far;
+    uint32_t e = choose(r, tet[k], segment[k], &far);
+    if (e != TET_NONE) count(r, tet[k], segment[k] = e, far, is_sliver);
     if (!status && (k & 63) == 0) status = tet_poll(r->ctx);
   }
   r->tracing = 0;

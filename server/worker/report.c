@@ -53,6 +53,8 @@ static json_t *counts_json(const tet_mesh *m) {
   set_count(o, "first_slivers", c->first_slivers);
   set_count(o, "sliver_points", c->sliver_points);
   set_count(o, "sliver_budget", c->sliver_budget);
+  set_count(o, "thin_points", c->thin_points);
+  set_count(o, "thin_budget", c->thin_budget);
   set_count(o, "outside_tetrahedra", c->outside_tetrahedra);
   return o;
 }
@@ -147,7 +149,10 @@ static json_t *voronoi_json(const tet_mesh *m) {
 
 static json_t *traced_json(const tet_trace *t) {
   json_t *o = json_object();
+  json_object_set_new(o, "reach", json_integer(TET_TRACE_REACH));
   set_count(o, "traced", t->traced);
+  set_count(o, "slivers", t->slivers);
+  set_count(o, "followed", t->followed);
   set_count(o, "within", t->within);
   json_object_set_new(o, "farthest", number(t->farthest));
   return o;
@@ -160,7 +165,7 @@ json_t *report_json(const tet_mesh *m, const tet_stage_report *encode) {
                    promised_json(&r->promised), "audit", audit_json(&r->audit), "rejected",
                    rejected_json(&r->rejected), "exceptions", "count", (json_int_t)m->n_exceptions,
                    "slivers", "count", (json_int_t)m->n_slivers, "peak_bytes", count(r->peak_bytes));
-  if (m->n_exceptions) json_object_set_new(o, "traced", traced_json(&r->trace));
+  if (m->n_exceptions + m->n_slivers) json_object_set_new(o, "traced", traced_json(&r->trace));
   if (r->voronoi.made) json_object_set_new(o, "voronoi", voronoi_json(m));
   return o;
 }

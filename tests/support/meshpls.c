@@ -347,11 +347,14 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)c->refine_facet_points, (unsigned long long)c->refine_volume_points);
   printf(",\"slivers\":%u,\"first_slivers\":%llu,\"sliver_points\":%llu,\"sliver_budget\":%llu", m->n_slivers,
          (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points, (unsigned long long)c->sliver_budget);
+  printf(",\"thin_points\":%llu,\"thin_budget\":%llu", (unsigned long long)c->thin_points,
+         (unsigned long long)c->thin_budget);
   printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
          (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
-  printf(",\"traced\":{\"traced\":%llu,\"within\":%llu,\"farthest\":%.4g}", (unsigned long long)r->trace.traced,
-         (unsigned long long)r->trace.within, r->trace.farthest);
+  printf(",\"traced\":{\"traced\":%llu,\"slivers\":%llu,\"followed\":%llu,\"within\":%llu,\"farthest\":%.4g}",
+         (unsigned long long)r->trace.traced, (unsigned long long)r->trace.slivers,
+         (unsigned long long)r->trace.followed, (unsigned long long)r->trace.within, r->trace.farthest);
   printf(",\"promised\":{\"delaunay\":%d,\"cdt\":%d,\"gabriel\":%d,\"covered\":%d,\"planarity\":%.3g,\"merged\":[%.4g,%.3g]}", r->promised.delaunay,
          r->promised.constrained_delaunay, r->promised.gabriel, r->promised.covered, r->promised.planarity,
          r->promised.merged_angle, r->promised.merged_distance);

@@ -116,16 +116,24 @@ typedef struct tet_counts {
   uint64_t refine_segment_points, refine_facet_points, refine_volume_points;
   uint64_t first_slivers, sliver_points; /* before their removal; of the points above, those that it inserted */
   uint64_t sliver_budget; /* as many at most, about: where sliver_points reached it, slivers were given up */
+  uint64_t thin_points, thin_budget; /* of the points above, those in facets at dihedral angles of a few degrees; and
+                                        where they reached that, nothing there was split any more */
   uint64_t outside_tetrahedra;
 } tet_counts;
 
 /* How exceptions were traced to the sharp segments to blame (thesis 4.2.2). alpha_2 H(p) is the
- * radius of the protecting ball of a vertex p of that segment. */
+ * radius of the protecting ball of a vertex p of that segment; a tetrahedron's distance from its
+ * subsegment is measured in the larger such radius of the ends over sin theta, theta the segment's least sharp
+ * angle. One within TET_TRACE_REACH is traced; one beyond is only listed with its subsegment. */
+enum { TET_TRACE_REACH = 5 };
+
 typedef struct tet_trace {
-  uint64_t traced;  /* through their rejected candidates; the others have the nearest one */
-  uint64_t within;  /* circumcentre within sqrt(2) alpha_2 H(p) of an end p of that subsegment (Theorem 4.2.3) */
-  double farthest;  /* largest distance of a tetrahedron from that subsegment, in
-                       alpha_2 H(p) / sin theta, theta its segment's least sharp angle */
+  uint64_t traced;   /* exceptions within that reach */
+  uint64_t slivers;  /* slivers within it */
+  uint64_t followed; /* exceptions whose subsegment was found through their rejected candidates; the
+                        others have the nearest one */
+  uint64_t within;   /* circumcentre within sqrt(2) alpha_2 H(p) of an end p of that subsegment (Theorem 4.2.3) */
+  double farthest;   /* largest distance of an exception */
 } tet_trace;
 
 /* Of Voronoi cells, where they were asked for. */

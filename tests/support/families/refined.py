@@ -11,9 +11,9 @@ all large: no dihedral, plane or segment-facet angle is sharp: boundary conformi
 plane: some plane angle is: boundary conforming Delaunay; what is over 1.4143 is listed, its
     circumcentre within (3 + sqrt 2) / 2 |S| of the midpoint of a sharp subsegment S (3.4.1).
 dihedral: some dihedral angle is: constrained Delaunay; what is over 2.0 is listed.
-In every class slivers that are left are listed, each with a vertex on a sharp segment unless the
-budget of their removal was spent, and without sharp segments no candidate is
-rejected.  Prints each case that does not hold, and a table.  A system of thin gaps needs
+In every class slivers that are left are listed, each traced to a sharp segment (TET_TRACE_REACH)
+unless the budget of their removal or of thin facets was spent, and without sharp segments no
+candidate is rejected.  Prints each case that does not hold, and a table.  A system of thin gaps needs
 points without end: what goes over the limit of vertices or of seconds is counted apart."""
 
 import argparse
@@ -42,6 +42,7 @@ class Case:
         self.over_limit = ""     # why it was not finished
         self.exceptions = self.slivers = self.tets = 0
         self.seconds = 0.0
+        self.untraced = 0
         self.farthest = 0.0      # times the bound, of 3.4.1
         self.angles = None
 
@@ -104,14 +105,16 @@ def check_places(case, mesh, listed, sharp):
 
 
 def check_slivers(case, mesh, report, listed, found):
-    """That each sliver left is at a sharp segment, or the budget of their removal was spent."""
-    if report["sliver_points"] >= report["sliver_budget"]:
-        return
+    """That each sliver left is traced to a sharp segment, as those at one are, or the budget of their removal
+    was spent, or that of thin facets."""
     x, y = mesh.points, found.mesh.points
     known = [(y[a], y[b]) for a, b in found.sharp]
-    strangers = [t for t, _, _ in listed if not any(on_segment(x[v], p, q) for v in mesh.tets[t] for p, q in known)]
-    if strangers:
-        case.faults.append(f"{len(strangers)} slivers at no sharp segment, and their budget is not spent")
+    away = [t for t, _, _ in listed if not any(on_segment(x[v], p, q) for v in mesh.tets[t] for p, q in known)]
+    untraced = len(listed) - report["traced"]["slivers"]
+    if len(away) < untraced:
+        case.faults.append(f"{untraced} slivers not traced, and {len(away)} at no sharp segment")
+    if untraced and report["sliver_points"] < report["sliver_budget"] and report["thin_points"] < report["thin_budget"]:
+        case.faults.append(f"{untraced} of {len(listed)} slivers not traced, and no budget is spent")
 
 
 def judged(case, judge, path, prefix, options):
@@ -164,6 +167,7 @@ def run_case(name, path, folder, judge, limits, outside, is_blocks=False):
     case.tets, case.exceptions, case.slivers = report["tets"], report["exceptions"], report["slivers"]
     mesh = angles.Mesh(prefix)
     listed = mesh.listed(prefix, ".over")
+    case.untraced = report["exceptions"] - report["traced"]["traced"]
     check_slivers(case, mesh, report, mesh.listed(prefix, ".sliver"), found)
     promised = report["promised"]
     if case.kind == "dihedral":
@@ -217,10 +221,10 @@ def table(cases):
     kinds = collections.defaultdict(list)
     for c in cases:
         kinds[c.kind].append(c)
-    lines = [f"{'class':10} {'cases':>6} {'hold':>6} {'limit':>6} {'over':>8} {'slivers':>8} {'tets':>9} {'worst s':>8} {'farthest':>9}"]
+    lines = [f"{'class':10} {'cases':>6} {'hold':>6} {'limit':>6} {'over':>8} {'untraced':>8} {'slivers':>8} {'tets':>9} {'worst s':>8} {'farthest':>9}"]
     for kind, cs in sorted(kinds.items()):
         lines.append(f"{kind or '-':10} {len(cs):6} {sum(not c.faults and not c.over_limit for c in cs):6} "
-                     f"{sum(bool(c.over_limit) for c in cs):6} {sum(c.exceptions for c in cs):8} {sum(c.slivers for c in cs):8} "
+                     f"{sum(bool(c.over_limit) for c in cs):6} {sum(c.exceptions for c in cs):8} {sum(c.untraced for c in cs):8} {sum(c.slivers for c in cs):8} "
                      f"{sum(c.tets for c in cs):9} {max(c.seconds for c in cs):8.2f} {max(c.farthest for c in cs):9.3f}")
     return "\n".join(lines)
 
