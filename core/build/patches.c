@@ -308,8 +308,7 @@ static void sort_by_patch(const tet_surface *r, uint32_t *count, uint32_t *order
   for (uint32_t t = 0; t < r->n_tris; t++) order[count[r->tri_patch[t]]++] = t;
 }
 
-/* The patches of each vertex, each once: its place and how many are there while they are
- * listed, `end` of the last one. */
+/* The patches of each vertex, each once; by the order of patches, so that they rise. */
 static tet_status list_planes(const tet_soup *s, tet_surface *r) {
   uint32_t n = s->points->n, *end = tet_alloc(s->ctx, n, sizeof *end);
   uint32_t *count = tet_calloc(s->ctx, (size_t)r->n_patches + 1, sizeof *count);
