@@ -107,6 +107,7 @@ static tp_code read_option(const char *name, const json_t *value, tp_options *op
     return read_number(value, name, 0.0, TP_MOST_MERGE_ANGLE, "is no number from 0 to 45",
                        &options->merge_angle, error);
   if (strcmp(name, "keep_hull") == 0) return read_bool(value, name, &options->keep_hull, error);
+  if (strcmp(name, "break_points") == 0) return read_bool(value, name, &options->break_points, error);
   if (strcmp(name, "neighbours") == 0) return read_bool(value, name, &options->neighbours, error);
   if (strcmp(name, "seed") == 0) return read_integer(value, name, 0, &options->seed, error);
   if (strcmp(name, "threads") == 0) {
@@ -136,6 +137,8 @@ tp_code tp_options_parse(const json_t *json, tp_options *ret_options, tp_error *
     if (json_object_get(json, of_refine[i]) != NULL)
       return refuse(error, of_refine[i], "acts only in the stage refine");
   }
+  if (options.stage == TP_STAGE_DELAUNAY && json_object_get(json, "break_points") != NULL)
+    return refuse(error, "break_points", "are for facets: not with the stage delaunay");
   if (options.voronoi != TP_VORONOI_NONE && (options.stage == TP_STAGE_DELAUNAY || options.keep_hull))
     return refuse(error, "voronoi", "cuts cells to facets: not with the stage delaunay or keep_hull");
   *ret_options = options;
@@ -163,6 +166,7 @@ json_t *tp_options_json(const tp_options *options) {
                                   json_real(options->planarity_tolerance));
   if (options->merge_angle != 0.0)
     failed |= json_object_set_new(json, "merge_angle", json_real(options->merge_angle));
+  if (options->break_points) failed |= json_object_set_new(json, "break_points", json_true());
   if (options->seed != 0)
     failed |= json_object_set_new(json, "seed", json_integer((json_int_t)options->seed));
   if (options->neighbours) failed |= json_object_set_new(json, "neighbours", json_true());

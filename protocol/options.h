@@ -42,6 +42,7 @@ typedef struct tp_options {
   bool keep_hull;
   double planarity_tolerance; /* >= 0; 0: the engine's default */
   double merge_angle;         /* degrees, 0 (default) to TP_MOST_MERGE_ANGLE; only of refine */
+  bool break_points;          /* not of delaunay */
   uint64_t seed;              /* up to 2^53 */
   bool neighbours;
   tp_voronoi voronoi;         /* default TP_VORONOI_NONE; not of delaunay or a kept hull */

@@ -72,6 +72,9 @@ static tetrad_status options_json(const tetrad_options *o, json_t **ret_json,
     if (o->merge_angle != 0) {
         failed |= set_new(json, "merge_angle", json_real(o->merge_angle));
     }
+    if (o->break_points) {
+        failed |= set_new(json, "break_points", json_true());
+    }
     if (o->neighbours) {
         failed |= set_new(json, "neighbours", json_true());
     }

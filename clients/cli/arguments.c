@@ -35,6 +35,7 @@ enum {
     OPTION_KEEP_HULL,
     OPTION_PLANARITY,
     OPTION_MERGE_ANGLE,
+    OPTION_BREAK_POINTS,
     OPTION_NEIGHBOURS,
     OPTION_VORONOI,
     OPTION_DEADLINE,
@@ -75,6 +76,8 @@ static const struct {
      "D  how far out of plane a polygon may be"},
     {"merge-angle", 1, OPTION_MERGE_ANGLE, GROUP_JOB,
      "D       degrees, up to 45: sides this flat of one marker are no sharp segments"},
+    {"break-points", 0, OPTION_BREAK_POINTS, GROUP_JOB,
+     "        add points until no neighbouring triangles of a facet are on one circle"},
     {"neighbours", 0, OPTION_NEIGHBOURS, GROUP_JOB, "        write .neigh beside .node"},
     {"voronoi", 0, OPTION_VORONOI, GROUP_JOB,
      "        write the Voronoi cells, their volumes and factors, beside .node or .vtu"},
@@ -219,6 +222,7 @@ static bool apply_job_option(arguments *args, int option, const char *value) {
     case OPTION_SEED: return read_count(value, false, 0, &o->seed);
     case OPTION_THREADS: return read_count(value, false, 1, &o->threads);
     case OPTION_KEEP_HULL: o->keep_hull = 1; return true;
+    case OPTION_BREAK_POINTS: o->break_points = 1; return true;
     case OPTION_NEIGHBOURS: o->neighbours = 1; return true;
     case OPTION_VORONOI: o->voronoi = "diagram"; return true;
     case OPTION_DEADLINE:
@@ -291,6 +295,9 @@ static int check_together(const command *which, const arguments *args) {
          o->merge_angle != 0 || o->order != NULL)) {
         return usage_error(which, "--radius-edge, --max-volume, --min-dihedral, --bound-only, --merge-angle "
                                   "and --order belong to --stage refine");
+    }
+    if (o->break_points && stage != NULL && strcmp(stage, "delaunay") == 0) {
+        return usage_error(which, "--break-points are for facets: not with --stage delaunay");
     }
     if (o->bound_only && o->min_dihedral != 0) {
         return usage_error(which, "--bound-only lets slivers stay: not with --min-dihedral");

@@ -15,85 +15,15 @@
  * them, and in all for them and where rounding fails. Where there is nothing to break,
  * it is begun again with other Steiner points. */
 static const double THIN = 2e-9;
-/* One axis is rounded more than the others where it is by so much. */
-static const double COARSE = 64;
 enum { MOST_ROUNDS = 8, MOST_THIN_ROUNDS = 3, MOST_ATTEMPTS = 8 };
+/* Degeneracies are removed again so many times after segments were recovered. */
+enum { MOST_REMOVALS = 8 };
 
 void tet_build_result_free(tet_ctx *ctx, tet_build_result *r) {
   tet_pieces_free(ctx, &r->pieces);
   tet_free(ctx, r->same_as);
   tet_free(ctx, r->facet_same_as);
   r->same_as = r->facet_same_as = NULL;
-}
-
-tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *ret_v) {
-  tet_points *p = &st->points;
-  uint32_t v = p->n, i = v - st->n_input;
-  if ((uint64_t)v + 1 > tet_vertex_limit(st->ctx))
-    return tet_fail(st->ctx, TET_E_VERTEX_LIMIT, "the vertex limit of %llu is reached",
-                    (unsigned long long)tet_vertex_limit(st->ctx));
-  tet_status status = tet_grow(st->ctx, &p->x, &st->cap_x, 3 * ((size_t)v + 1), sizeof *p->x);
-  if (status == TET_OK) status = tet_grow(st->ctx, &p->implicit, &st->cap_implicit, i + 1, sizeof *p->implicit);
-  if (status == TET_OK)
-    status = tet_grow(st->ctx, &st->steiner_segment, &st->cap_segment, i + 1, sizeof *st->steiner_segment);
-  if (status == TET_OK) status = tet_complex_reserve_vertices(&st->complex, v + 1);
-  if (status != TET_OK) return status;
-  p->implicit[i] = (tet_segment_point){st->surface.segment[s].a, st->surface.segment[s].b, t};
-  st->steiner_segment[i] = s;
-  tet_segment_point_round(p, &p->implicit[i], p->x + 3 * (size_t)v);
-  p->n = v + 1;
-  *ret_v = v;
-  return TET_OK;
-}
-
-/* Finds the axis whose coordinates are rounded most, where that stands out. */
-static void find_coarse_axis(tet_state *st) {
-  const tet_points *p = &st->points;
-  double share[3], step[3];
-  st->coarse = -1;
-  if (!p->n) return;
-  for (size_t j = 0; j < 3; j++) {
-    double lo = p->x[j], hi = lo;
-    for (size_t v = 1; v < p->n; v++) {
-      lo = fmin(lo, p->x[3 * v + j]);
-      hi = fmax(hi, p->x[3 * v + j]);
-    }
-    int exponent;
-    frexp(fmax(fabs(lo), fabs(hi)), &exponent);
-    step[j] = ldexp(1, exponent - 53);
-    share[j] = hi > lo ? step[j] / (hi - lo) : 0;
-  }
-  for (int j = 0; j < 3; j++)
-    if (share[j] > COARSE * share[(j + 1) % 3] && share[j] > COARSE * share[(j + 2) % 3]) {
-      st->coarse = j;
-      st->step = step[j];
-    }
-}
-
-static tet_status init_state(tet_state *st, tet_ctx *ctx, const tet_pls *pls) {
-  memset(st, 0, sizeof *st);
-  st->ctx = ctx;
-  st->pls = pls;
-  st->n_input = st->points.n = st->points.first_implicit = pls->n_points;
-  tet_complex_init(&st->complex, ctx, &st->points);
-  tet_status status = tet_grow(ctx, &st->points.x, &st->cap_x, 3 * (size_t)pls->n_points, sizeof *st->points.x);
-  if (status != TET_OK) return status;
-  for (size_t i = 0; i < 3 * (size_t)pls->n_points; i++) {
-    st->points.x[i] = pls->points[i];
-    double size = fabs(pls->points[i]);
-    if (size > st->points.max_abs) st->points.max_abs = size;
-  }
-  tet_points_find_grain(&st->points);
-  find_coarse_axis(st);
-  return TET_OK;
-}
-
-static void free_state(tet_state *st) {
-  tet_complex_free(&st->complex);
-  tet_surface_free(st->ctx, &st->surface);
-  tet_free(st->ctx, st->points.x);
-  tet_free(st->ctx, st->points.implicit);
-  tet_free(st->ctx, st->steiner_segment);
 }
 
 static double box_diagonal(const tet_points *p) {
@@ -183,6 +113,25 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
   return status;
 }
 
+static tet_status recover_segments(tet_state *st) {
+  tet_stage_begin(st->ctx, "segments");
+  tet_status status = tet_recover_segments(st);
+  if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
+  return status;
+}
+
+/* With degeneracies removed before and after: Steiner points on segments may make others. */
+static tet_status recover_broken(tet_state *st) {
+  for (int round = 0;; round++) {
+    size_t added = 0;
+    tet_stage_begin(st->ctx, "degeneracies");
+    tet_status status = tet_remove_degeneracies(st, round < MOST_REMOVALS && st->may_break, &added);
+    if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
+    if (status == TET_OK && (!round || added)) status = recover_segments(st);
+    if (status != TET_OK || (round && !added)) return status;
+  }
+}
+
 /* The steps of 5.2 once; see find_domain for *ret_thin. */
 static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_breaks *breaks, double thin,
                             tet_build_result *r, size_t *ret_thin) {
@@ -200,11 +149,11 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
   tet_stage_counts(st->ctx, st->n_input, 0);
   st->complex.is_canonical = 1; /* what follows walks in the order of the slots */
   status = triangulate_vertices(st, st->surface.used, o->threads);
-  if (status == TET_OK) {
+  if (status == TET_OK && breaks->n) {
     tet_stage_begin(st->ctx, "segments");
-    status = tet_recover_segments(st);
-    if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
+    status = tet_split_breaks(st);
   }
+  if (status == TET_OK) status = o->break_points ? recover_broken(st) : recover_segments(st);
   if (status == TET_OK) {
     tet_stage_begin(st->ctx, "facets");
     status = tet_recover_facets(st, &face_tri);
@@ -215,15 +164,16 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
   return status;
 }
 
-/* One build from the start; *ret_thin as in find_domain. */
+/* One build from the start; *ret_thin as in find_domain. From attempt MOST_ATTEMPTS on, without break points. */
 static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options, tet_breaks *breaks,
                              uint32_t attempt, double thin, tet_build_result *ret, size_t *ret_thin) {
   tet_state st;
   tet_build_result r;
   memset(&r, 0, sizeof r);
   *ret_thin = 0;
-  tet_status status = init_state(&st, ctx, pls);
-  st.attempt = attempt;
+  tet_status status = tet_state_init(&st, ctx, pls);
+  st.attempt = attempt % MOST_ATTEMPTS;
+  st.may_break = attempt < MOST_ATTEMPTS;
   if (status == TET_OK) {
     r.same_as = tet_alloc(ctx, pls->n_points, sizeof *r.same_as);
     status = r.same_as ? TET_OK : tet_ctx_error(ctx)->status;
@@ -234,7 +184,7 @@ static tet_status build_once(tet_ctx *ctx, const tet_pls *pls, const tet_build_o
   st.counts.input_vertices = pls->n_points;
   st.counts.facets = pls->n_facets;
   r.counts = st.counts;
-  free_state(&st);
+  tet_state_free(&st);
   if (status == TET_OK && !*ret_thin) *ret = r;
   else tet_build_result_free(ctx, &r);
   return status;
@@ -284,9 +234,10 @@ tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *
                      tet_build_result *ret) {
   spare kept = {.thin = 0};
   tet_status status = TET_OK;
+  uint32_t most = options->break_points ? 2 * MOST_ATTEMPTS : MOST_ATTEMPTS; /* break points are more to round */
   int done = 0;
   size_t thin;
-  for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS && !done && !kept.thin; attempt++) {
+  for (uint32_t attempt = 0; attempt < most && !done && !kept.thin; attempt++) {
     status = build_rounds(ctx, pls, options, attempt, &kept, ret, &done);
     if (status != TET_OK && status != TET_E_ROUNDING) break;
   }

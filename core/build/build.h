@@ -2,7 +2,7 @@
 /* build.h: from a PLS to its Delaunay or constrained Delaunay tetrahedralization.
  *
  * The algorithm of thesis 5.2: Delaunay tetrahedralization D_0 of the vertices,
- * surface mesh, SEGMENTRECOVERY (5.3), FACETRECOVERY (5.4), removal of what is
+ * surface mesh, LOCALDEGENERACYREMOVAL (5.5) where asked for, SEGMENTRECOVERY (5.3), FACETRECOVERY (5.4), removal of what is
  * outside and of holes, regions. Steiner points stay implicit until the last
  * facet is in; rounding them comes last (design section 4). */
 #ifndef TET_BUILD_BUILD_H
@@ -18,6 +18,7 @@ typedef struct tet_build_options {
   double planarity_tolerance; /* absolute; 0: 1e-5 of the box's diagonal */
   uint32_t threads;           /* of the Delaunay stage, at least 1 */
   double merge_angle;         /* degrees; see surface.h */
+  int break_points;           /* LOCALDEGENERACYREMOVAL (5.5) */
 } tet_build_options;
 
 typedef struct tet_build_result {
@@ -30,8 +31,8 @@ typedef struct tet_build_result {
   tet_counts counts;   /* of these stages; the others 0 */
 } tet_build_result;
 
-/* Builds; stages "delaunay", "surface", "segments", "facets", "regions" are begun
- * on the context as they come. On failure *ret is untouched. */
+/* Builds; stages "delaunay", "surface", "degeneracies", "segments", "facets", "regions" are
+ * begun on the context as they come. On failure *ret is untouched. */
 tet_status tet_build(tet_ctx *ctx, const tet_pls *pls, const tet_build_options *options,
                      tet_build_result *ret);
 

@@ -115,8 +115,9 @@ static tet_status compact_points(tet_state *st, tet_pieces *p) {
   for (size_t v = 0; v < p->n_points; v++) {
     if (number[v] == TET_NONE) continue;
     memmove(p->points + 3 * (size_t)number[v], p->points + 3 * v, 3 * sizeof *p->points);
-    p->origin[number[v]] = v < p->n_input ? TET_ORIGIN_INPUT : TET_ORIGIN_SEGMENT;
-    p->carrier[number[v]] = v < p->n_input ? TET_NONE : st->steiner_segment[v - p->n_input];
+    tet_carrier on = v < p->n_input ? (tet_carrier){TET_ORIGIN_INPUT, TET_NONE} : st->carrier[v - p->n_input];
+    p->origin[number[v]] = on.origin;
+    p->carrier[number[v]] = on.number;
   }
   for (size_t i = 0; i < 4 * (size_t)p->n_tets; i++) p->tets[i] = number[p->tets[i]];
   for (size_t i = 0; i < 3 * (size_t)p->n_subfaces; i++) p->subface[i] = number[p->subface[i]];

@@ -421,7 +421,7 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   counts->rounding_flips = r.flips + r.refills;
   counts->rounding_moves = r.moves;
   tet_edge_map_free(ctx, &r.subsegs);
-  void *all[] = {r.mark, r.star, r.beside, r.first, r.entry, r.patch_start, r.patches, r.stack};
+  void *all[] = {r.mark, r.star, r.beside, r.reach, r.first, r.entry, r.patch_start, r.patches, r.stack};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
   return status;
 }

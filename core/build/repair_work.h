@@ -23,6 +23,7 @@ typedef struct repair {
   uint32_t *star;          /* shift.c: the tetrahedra of a vertex */
   size_t n_star, cap_star;
   uint32_t *beside;        /* [Steiner points][2] shift.c: the vertices before and after it on its segment */
+  double *reach;           /* [Steiner points] shift.c: the distance of its nearest neighbour on its facets */
   uint32_t *first;         /* [Steiner points] its newest entry, or TET_NONE */
   uint32_t (*entry)[2];    /* a tetrahedron that it had or has, and the entry before */
   size_t n_entries, cap_entries;

@@ -21,8 +21,6 @@ static const double BESIDE = 0.5;
 /* How far off level a point is put, as part of what would make the other point encroach: so
  * level points are not cospherical, which rounding could not keep. */
 static const double OFF_LEVEL = 0.05;
-/* Nearer to an end than this part of the largest coordinate, a point would be noise. */
-static const double LEAST = 0x1p-36;
 /* How far off every point is put where rounding failed, as part of the way to an end, and how
  * much farther every other time: the ties of a symmetric input are gone then, and that
  * points stand beside each other is not. */
@@ -32,8 +30,6 @@ static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
 static const double NEAR_END = 0.1;
 /* How far a point may be moved so that rounding moves it less, as part of the way to an end. */
 static const double NUDGE = 0.5;
-/* Later attempts do without: points so close that they have few such places are bent off their line there. */
-enum { LAST_FINE = 3 };
 
 typedef struct recovery {
   tet_state *st;
@@ -52,11 +48,6 @@ static const double *at(const recovery *r, uint32_t v) { return r->st->points.x 
 
 static double distance(const double *a, const double *b) {
   return sqrt(tet_distance2(a, b));
-}
-
-/* The place of vertex v on its segment, from 0 at a to 1 at b. */
-static double parameter(const recovery *r, const tet_segment *s, uint32_t v) {
-  return v == s->a ? 0.0 : v == s->b ? 1.0 : r->st->points.implicit[v - r->st->n_input].t;
 }
 
 static tet_status enqueue(recovery *r, uint32_t e) {
@@ -114,7 +105,9 @@ static tet_status find_acute(recovery *r) {
     mark_acute(r, start, ends, acute);
     for (uint32_t e = 0; e < s->n_subsegs; e++) {
       const tet_segment *g = &s->segment[s->subseg_segment[e]];
+      const uint32_t *v = s->subseg + 2 * (size_t)e;
       r->acute[e] = acute[g->a] ? (acute[g->b] ? BOTH_ACUTE : g->a) : acute[g->b] ? g->b : TET_NONE;
+      if (r->acute[e] == BOTH_ACUTE && (v[0] != g->a || v[1] != g->b)) r->acute[e] = v[0] == g->a ? g->a : g->b; /* split */
     }
   }
   tet_status status = start && ends && acute ? TET_OK : tet_ctx_error(r->ctx)->status;
@@ -207,8 +200,8 @@ static double scatter(const recovery *r) {
  * vertex level with p already, lines that cross beyond it are the reason: the middle. */
 static double level_place(const recovery *r, const tet_segment *g, double lo, double hi, uint32_t p) {
   const tet_state *st = r->st;
-  if (p == TET_NONE || p < st->n_input) return NAN;
-  const tet_segment *h = &st->surface.segment[st->steiner_segment[p - st->n_input]];
+  if (p == TET_NONE || p < st->n_input || st->carrier[p - st->n_input].origin != TET_ORIGIN_SEGMENT) return NAN;
+  const tet_segment *h = &st->surface.segment[st->carrier[p - st->n_input].number];
   double u[3], w[3], to_p[3], across[3], apart = 0;
   tet_minus(at(r, g->b), at(r, g->a), u);
   tet_minus(at(r, h->b), at(r, h->a), w);
@@ -239,39 +232,20 @@ static double ruled_place(const recovery *r, uint32_t e, const tet_segment *g, d
   return back ? 1 - u : u;
 }
 
-/* The place nearest to t on segment g that is a double along the axis that is rounded most, if
- * it is nearer than `most`: a point there hardly leaves its facets when it is rounded. */
-static double fine_place(const recovery *r, const tet_segment *g, double t, double most) {
-  const tet_state *st = r->st;
-  if (st->coarse < 0) return t;
-  double a = at(r, g->a)[st->coarse], d = at(r, g->b)[st->coarse] - a;
-  double fine = d != 0 ? (st->step * rint((a + t * d) / st->step) - a) / d : t;
-  return fabs(fine - t) < most ? fine : t;
-}
-
 /* Where to split subsegment e for reference point p, as t on its segment. */
 static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   const tet_surface *s = &r->st->surface;
   const tet_segment *g = &s->segment[s->subseg_segment[e]];
+  const tet_points *points = &r->st->points;
   const uint32_t *v = s->subseg + 2 * (size_t)e;
-  double ti = parameter(r, g, v[0]), tj = parameter(r, g, v[1]), middle = ti + 0.5 * (tj - ti);
-  double t = level_place(r, g, ti, tj, p), length = distance(at(r, g->a), at(r, g->b));
-  double least = LEAST * r->st->points.max_abs / length;
+  double ti = tet_place_on(points, g, v[0]), tj = tet_place_on(points, g, v[1]), middle = ti + 0.5 * (tj - ti);
+  double t = level_place(r, g, ti, tj, p), least = tet_state_least(r->st, g->a, g->b);
   if (!(t > ti && t < tj)) t = p == TET_NONE || r->acute[e] == BOTH_ACUTE ? middle : ruled_place(r, e, g, ti, tj, p);
   if (!(t - ti > least && tj - t > least)) t = middle;
   double off = r->st->attempt ? ELSEWHERE * scatter(r) * fmin(t - ti, tj - t) : 0;
   for (uint32_t k = 1; k < r->st->attempt; k++) off *= FARTHER;
   t += off;
-  return r->st->attempt > LAST_FINE ? t : fine_place(r, g, t, NUDGE * fmin(t - ti, tj - t));
-}
-
-static tet_status too_short(recovery *r, uint32_t e) {
-  const tet_surface *s = &r->st->surface;
-  const double *x = at(r, s->subseg[2 * (size_t)e]);
-  uint32_t g = s->subseg_segment[e];
-  return tet_fail(r->ctx, TET_E_ROUNDING,
-                  "the segment between vertices %u and %u would need points closer than doubles are, near (%.17g, %.17g, %.17g)",
-                  s->segment[g].a, s->segment[g].b, x[0], x[1], x[2]);
+  return tet_state_fine_place(r->st, g->a, g->b, t, NUDGE * fmin(t - ti, tj - t));
 }
 
 /* Looks for subsegments among the edges of the cavity just filled. */
@@ -297,12 +271,7 @@ static tet_status split_at(recovery *r, uint32_t e, double t) {
   tet_surface *s = &st->surface;
   uint32_t a = s->subseg[2 * (size_t)e], b = s->subseg[2 * (size_t)e + 1], v;
   uint32_t acute = r->acute[e];
-  tet_status status = tet_state_add_steiner(st, s->subseg_segment[e], t, &v);
-  if (status != TET_OK) return status;
-  if (!memcmp(at(r, v), at(r, a), 3 * sizeof(double)) || !memcmp(at(r, v), at(r, b), 3 * sizeof(double)))
-    return too_short(r, e);
-  status = tet_complex_insert(&st->complex, v, st->complex.at[a]);
-  if (status == TET_OK) status = tet_surface_split(r->ctx, s, &st->points, e, v);
+  tet_status status = tet_state_split(st, e, t, &v);
   if (status == TET_OK) status = make_room(r);
   if (status != TET_OK) return status;
   uint32_t other = s->n_subsegs - 1; /* now e is a-v and other v-b */
@@ -326,27 +295,6 @@ static tet_status split(recovery *r, uint32_t e) {
   uint32_t p = TET_NONE;
   tet_status status = reference_point(r, v[0], v[1], &p);
   return status == TET_OK ? split_at(r, e, split_place(r, e, p)) : status;
-}
-
-/* Splits segments where thin.c asks for it, but not twice in one place. Subsegments still are
- * whole segments. */
-static tet_status split_breaks(recovery *r) {
-  const tet_breaks *breaks = r->st->breaks;
-  tet_status status = TET_OK;
-  double last = 0; /* on the segment of the break before */
-  for (size_t k = 0; k < breaks->n && status == TET_OK; k++) {
-    const tet_break *b = &breaks->at[k];
-    const tet_segment *g = &r->st->surface.segment[b->segment];
-    int again = k && breaks->at[k - 1].segment == b->segment;
-    double least = LEAST * r->st->points.max_abs / distance(at(r, g->a), at(r, g->b));
-    if (!again) last = 0;
-    if (!(b->t - last > least && 1 - b->t > least)) continue;
-    /* what is left towards b was appended last */
-    status = split_at(r, last > 0 ? r->st->surface.n_subsegs - 1 : b->segment, b->t);
-    last = b->t;
-    r->st->counts.segment_steiner_points++;
-  }
-  return status;
 }
 
 static tet_status recover(recovery *r) {
@@ -385,7 +333,6 @@ tet_status tet_recover_segments(tet_state *st) {
     status = tet_edge_map_put(r.ctx, &r.edges, v[0], v[1], e);
     if (status == TET_OK) status = enqueue(&r, e);
   }
-  if (status == TET_OK) status = split_breaks(&r);
   if (status == TET_OK) status = recover(&r);
   st->complex.keep_old = 0;
   tet_edge_map_free(r.ctx, &r.edges);

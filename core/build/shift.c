@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* shift.c: after rounding, Steiner points moved along their segments.
+/* shift.c: after rounding, Steiner points moved along their segments, and break points on facets along
+ * their lines.
  *
  * A point of a segment is as good a unit in the last place farther on. What was
  * cospherical or coplanar before rounding is mostly mended so, and no tetrahedron is
@@ -7,17 +8,36 @@
  * neighbour that rounding bends the line there: to the other side there is room. */
 #include "build/repair_work.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/vector.h"
+
+/* How far each break point on a facet may go along its line: on its facet, to the nearest vertex. */
+static void find_reach(repair *r) {
+  const tet_surface *s = r->surface;
+  uint32_t from = r->exact.first_implicit;
+  for (uint32_t i = 0; i < r->p->n_points - from; i++) r->reach[i] = INFINITY;
+  for (size_t h = 0; h < 3 * (size_t)s->n_tris; h++) {
+    uint32_t end[2] = {s->tri[h], s->tri[h - h % 3 + (h + 1) % 3]};
+    double d = sqrt(tet_distance2(repair_at(r, end[0]), repair_at(r, end[1])));
+    for (int k = 0; k < 2; k++)
+      if (end[k] >= from) r->reach[end[k] - from] = fmin(r->reach[end[k] - from], d);
+  }
+}
 
 /* The neighbours of every Steiner point on its segment, and an entry for each of its tetrahedra. */
 static tet_status begin(repair *r) {
   const tet_surface *s = r->surface;
   uint32_t from = r->exact.first_implicit, n = r->p->n_points - from;
   r->beside = tet_alloc(r->ctx, 2 * (size_t)n, sizeof *r->beside);
+  r->reach = tet_alloc(r->ctx, n, sizeof *r->reach);
   r->first = tet_alloc(r->ctx, n, sizeof *r->first);
-  if (!r->beside || !r->first) return tet_ctx_error(r->ctx)->status;
+  if (!r->beside || !r->reach || !r->first) return tet_ctx_error(r->ctx)->status;
   memset(r->first, 0xff, n * sizeof *r->first);
+  memset(r->beside, 0xff, 2 * (size_t)n * sizeof *r->beside);
+  find_reach(r);
   for (size_t e = 0; e < s->n_subsegs; e++) {
     uint32_t a = s->subseg[2 * e], b = s->subseg[2 * e + 1]; /* directed like the segment */
     if (a >= from) r->beside[2 * (size_t)(a - from) + 1] = b;
@@ -44,9 +64,15 @@ tet_status tet_repair_made(repair *r, uint32_t t) {
   return status;
 }
 
-/* The place of the vertex before (0) or after (1) Steiner point v on its segment. */
+/* The place of the vertex before (0) or after (1) Steiner point v on its segment; of a break point on a
+ * facet, as far as it may go on its line. */
 static double place_beside(const repair *r, uint32_t v, int after) {
-  uint32_t w = r->beside[2 * (size_t)(v - r->exact.first_implicit) + (size_t)after];
+  uint32_t i = v - r->exact.first_implicit, w = r->beside[2 * (size_t)i + (size_t)after];
+  if (w == TET_NONE) {
+    const tet_segment_point *p = &r->exact.implicit[i];
+    double reach = r->reach[i] / sqrt(tet_distance2(repair_at(r, p->a), repair_at(r, p->b)));
+    return after ? fmin(p->t + reach, 1) : fmax(p->t - reach, 0);
+  }
   return w < r->exact.first_implicit ? after : r->exact.implicit[w - r->exact.first_implicit].t;
 }
 

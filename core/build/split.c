@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/* split.c: the surface kept constrained Delaunay: Lawson flips inside patches, and
- * Steiner points on subsegments (thesis A.3.3). Predicates are exact on implicit
- * points, and subsegments are never flipped. */
+/* split.c: the surface kept constrained Delaunay: Lawson flips inside patches, Steiner points on
+ * subsegments (thesis A.3.3) and break points inside patches (5.5). Predicates are exact on
+ * implicit points, and subsegments are never flipped. */
 #include "build/soup.h"
 #include "exact/predicates.h"
 
@@ -171,6 +171,51 @@ tet_status tet_surface_split(tet_ctx *ctx, tet_surface *s, const tet_points *poi
     h = next;
   }
   st = legalize(ctx, s, points, &q);
+  tet_free(ctx, q.h);
+  return st;
+}
+
+/* Splits triangle xyz of edge h = xy at v inside it: it stays x y v; y z v and z x v are appended. */
+static void split_inside(tet_surface *s, uint32_t h, uint32_t v, flip_stack *q) {
+  uint32_t h1 = tet_next3(h), h2 = tet_prev3(h), g = 3 * s->n_tris, k = g + 3;
+  place yz = take(s, h1), zx = take(s, h2);
+  s->n_tris += 2;
+  s->tri_patch[g / 3] = s->tri_patch[k / 3] = s->tri_patch[h / 3];
+  put(s, g, h1, yz);
+  put(s, k, h2, zx);
+  put_inner(s, h1, yz.org, g + 2);
+  put_inner(s, h2, v, k + 1);
+  put_inner(s, g + 1, zx.org, k + 2);
+  put_inner(s, g + 2, v, h1);
+  put_inner(s, k + 1, s->tri[h], h2);
+  put_inner(s, k + 2, v, g + 1);
+  q->h[q->n++] = h;
+  q->h[q->n++] = g;
+  q->h[q->n++] = k;
+}
+
+/* Splits the two triangles of inner edge h at v on it. */
+static void split_edge(tet_surface *s, uint32_t h, uint32_t v, flip_stack *q) {
+  uint32_t g = s->tri_adj[h], x = s->tri[h], y = s->tri[g];
+  uint32_t a = split_triangle(s, h, v), b = split_triangle(s, g, v);
+  put_inner(s, h, x, b); /* x v and back, */
+  put_inner(s, b, v, h);
+  put_inner(s, g, y, a); /* y v and back */
+  put_inner(s, a, v, g);
+  q->h[q->n++] = tet_prev3(h);
+  q->h[q->n++] = a + 1;
+  q->h[q->n++] = tet_prev3(g);
+  q->h[q->n++] = b + 1;
+}
+
+tet_status tet_surface_add(tet_ctx *ctx, tet_surface *s, const tet_points *points, uint32_t h, int on_edge, uint32_t v) {
+  flip_stack q = {0};
+  tet_status st = reserve(ctx, s, (size_t)s->n_tris + 2, s->n_subsegs);
+  if (st == TET_OK) st = tet_grow(ctx, &q.h, &q.cap, 4, sizeof *q.h);
+  if (st == TET_OK) {
+    (on_edge ? split_edge : split_inside)(s, h, v, &q);
+    st = legalize(ctx, s, points, &q);
+  }
   tet_free(ctx, q.h);
   return st;
 }

@@ -6,31 +6,83 @@
 #include "build/build.h"
 #include "build/surface.h"
 #include "build/thin.h"
+#include "base/vector.h"
 #include "mesh/complex.h"
+
+#include <math.h>
+
+/* What a Steiner point is on: a segment or, a break point (5.5), a facet. */
+typedef struct tet_carrier {
+  uint8_t origin; /* tet_origin: SEGMENT or FACET */
+  uint32_t number;
+} tet_carrier;
+
+typedef struct tet_steiner {
+  tet_segment_point at; /* on a segment: of its ends */
+  tet_carrier carrier;
+} tet_steiner;
 
 typedef struct tet_state {
   tet_ctx *ctx;
   const tet_pls *pls;
   tet_planes planes;   /* of the surface's patches */
   tet_points points;   /* owned; vertices from n_input on are Steiner points */
-  size_t cap_x, cap_implicit, cap_segment;
+  size_t cap_x, cap_implicit, cap_carrier;
   uint32_t n_input;
-  uint32_t *steiner_segment; /* [points.n - n_input] the segment a Steiner point splits */
+  tet_carrier *carrier; /* [points.n - n_input] of each Steiner point */
   tet_complex complex;
   tet_surface surface;
   tet_counts counts;
   const tet_breaks *breaks; /* Steiner points wanted from the start */
   uint32_t attempt;         /* how often rounding failed: Steiner points go elsewhere then */
+  int may_break;            /* break points may be added, where they are asked for */
   int coarse;               /* the axis along which doubles are much farther apart than along
                                the others, as parts of the box's sides; -1: there is none */
   double step;              /* how far */
 } tet_state;
 
-/* Appends the Steiner point a + t (b - a) of segment s. */
-tet_status tet_state_add_steiner(tet_state *st, uint32_t s, double t, uint32_t *ret_v);
+/* Begins with the points of `pls`, and no tetrahedra and no surface yet. *st is to be freed, also on
+ * failure. */
+tet_status tet_state_init(tet_state *st, tet_ctx *ctx, const tet_pls *pls);
+void tet_state_free(tet_state *st);
+
+/* Later attempts do without fine places: points so close that they have few such places are bent off
+ * their line there. */
+enum { TET_LAST_FINE = 3 };
+
+/* Nearer to others than this part of the largest coordinate, a Steiner point would be noise. */
+static const double TET_LEAST_GAP = 0x1p-36;
+
+/* That, as a part of the way from a to b. */
+static inline double tet_state_least(const tet_state *st, uint32_t a, uint32_t b) {
+  const double *x = st->points.x;
+  return TET_LEAST_GAP * st->points.max_abs / sqrt(tet_distance2(x + 3 * (size_t)a, x + 3 * (size_t)b));
+}
+
+/* Appends a Steiner point to the points alone. */
+tet_status tet_state_add_steiner(tet_state *st, const tet_steiner *p, uint32_t *ret_v);
+
+/* The place nearest to t on the way from a to b that is a double along the axis that is rounded
+ * most, if it is nearer than `most`: a point there hardly leaves its facets when it is rounded. */
+double tet_state_fine_place(const tet_state *st, uint32_t a, uint32_t b, double t, double most);
+
+/* Splits subsegment e at t of its segment, in the complex and the surface; see tet_surface_split.
+ * Errors: TET_E_ROUNDING where that is one of its ends as doubles go. */
+tet_status tet_state_split(tet_state *st, uint32_t e, double t, uint32_t *ret_v);
+
+/* Splits segments where thin.c asks for it, but not twice in one place: subsegments still are whole
+ * segments. */
+tet_status tet_split_breaks(tet_state *st);
+
+/* LOCALDEGENERACYREMOVAL (5.5): with may_break, adds break points to the patches and their
+ * subsegments, as implicit points, until no two of their triangles that share an inner edge have four
+ * exactly cocircular vertices, or no place or no budget is left: that is symbolic perturbation's
+ * then. Adds to counts.break_points and sets degeneracies_left. *ret_added: how many. Cost: an exact
+ * test for each pair of triangles; about constant for each break point. */
+tet_status tet_remove_degeneracies(tet_state *st, int may_break, size_t *ret_added);
 
 /* SEGMENTRECOVERY (5.3): afterwards every subsegment of st->surface is an edge of
- * the Delaunay tetrahedralization st->complex. st->breaks are split first. */
+ * the Delaunay tetrahedralization st->complex. */
 tet_status tet_recover_segments(tet_state *st);
 
 /* FACETRECOVERY (5.4): afterwards every triangle of st->surface is a face. On

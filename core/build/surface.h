@@ -11,8 +11,8 @@
  *                 a crease (between two patches of one input facet)
  *
  * Vertex indices are the caller's; merged duplicates are replaced by their
- * survivor everywhere. Steiner points of segment recovery come in later through
- * tet_surface_split.
+ * survivor everywhere. Steiner points come in later: of segments through
+ * tet_surface_split, break points on facets through tet_surface_add.
  */
 #ifndef TET_BUILD_SURFACE_H
 #define TET_BUILD_SURFACE_H
@@ -67,6 +67,11 @@ typedef struct tet_surface {
   uint64_t n_duplicates, n_repeated_facets, n_unused;
 } tet_surface;
 
+/* The place of vertex v on its segment s, from 0 at a to 1 at b. */
+static inline double tet_place_on(const tet_points *points, const tet_segment *s, uint32_t v) {
+  return v == s->a ? 0 : v == s->b ? 1 : points->implicit[v - points->first_implicit].t;
+}
+
 /* Builds and validates the surface of `pls`. `points` views the input's vertices
  * (no implicit ones). `tolerance`: absolute planarity tolerance (> 0). `merge_angle`: degrees, below
  * 90: how far from flat facets of one marker may meet, at a side that only they have, for it to be a
@@ -85,6 +90,11 @@ tet_status tet_surface_build(tet_ctx *ctx, const tet_pls *pls, const tet_points 
  * property by flips. The half towards the segment's `a` end keeps number e, the
  * other is appended: n_subsegs - 1. */
 tet_status tet_surface_split(tet_ctx *ctx, tet_surface *s, const tet_points *points, uint32_t e, uint32_t v);
+
+/* Adds vertex `v` (index beyond all earlier ones) strictly inside the triangle of edge h or, with
+ * on_edge, on h, which is no subsegment; restores the constrained Delaunay property. Triangle h / 3
+ * has v then. */
+tet_status tet_surface_add(tet_ctx *ctx, tet_surface *s, const tet_points *points, uint32_t h, int on_edge, uint32_t v);
 
 void tet_surface_free(tet_ctx *ctx, tet_surface *s);
 

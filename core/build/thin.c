@@ -40,11 +40,6 @@ static double distance(const double *x, const double *y, const double *d, const 
   return fabs(tet_dot(w, n)) / sqrt(nn);
 }
 
-/* The place of vertex v on segment g. */
-static double parameter(const tet_points *exact, const tet_segment *g, uint32_t v) {
-  return v == g->a ? 0 : v == g->b ? 1 : exact->implicit[v - exact->first_implicit].t;
-}
-
 /* The subsegment at edge xy of triangle k, or TET_NONE. */
 static uint32_t subsegment_of(const tet_surface *s, uint32_t k, uint32_t x, uint32_t y) {
   for (size_t j = 0; j < 3; j++) {
@@ -60,7 +55,7 @@ void tet_break_consider(const tet_surface *surface, const tet_points *exact, con
   double at[2] = {0, 0}, h = distance(points + 3 * (size_t)x, points + 3 * (size_t)y, points + 3 * (size_t)d,
                              points + 3 * (size_t)e, at);
   if (!(h < *gap) || !(at[0] > 0 && at[0] < 1 && at[1] > 0 && at[1] < 1)) return;
-  double t0 = parameter(exact, g, x), t1 = parameter(exact, g, y);
+  double t0 = tet_place_on(exact, g, x), t1 = tet_place_on(exact, g, y);
   *best = (tet_break){surface->subseg_segment[sub], t0 + fmin(fmax(at[0], 0.125), 0.875) * (t1 - t0)};
   *gap = h;
 }

@@ -26,6 +26,8 @@ tet_status tet_check_options(tet_ctx *ctx, const tet_options *o) {
   if (!(o->merge_angle >= 0 && o->merge_angle <= TET_MOST_MERGE_ANGLE))
     return tet_fail(ctx, TET_E_ARGUMENT, "a merge angle of %g degrees: it must be from 0, for none, to %d",
                     o->merge_angle, TET_MOST_MERGE_ANGLE);
+  if (o->break_points && o->stage == TET_STAGE_DELAUNAY)
+    return tet_fail(ctx, TET_E_ARGUMENT, "break points are for facets: not of the stage delaunay");
   if (o->threads < 1 || o->threads > TET_MAX_THREADS)
     return tet_fail(ctx, TET_E_ARGUMENT, "%u threads: there can be 1 to %d", o->threads, TET_MAX_THREADS);
   if (o->voronoi != TET_VORONOI_NONE && o->voronoi != TET_VORONOI_FACTORS && o->voronoi != TET_VORONOI_DIAGRAM)

@@ -110,7 +110,7 @@ static tet_status finish(tet_ctx *ctx, const tet_pls *pls, const tet_options *op
 /* From checked input to *ret_mesh. */
 static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
   tet_build_options how = {options->stage, options->keep_hull, options->planarity_tolerance, options->threads,
-                           options->merge_angle};
+                           options->merge_angle, options->break_points};
   tet_build_result built;
   tet_refine_result refined = {.n_exceptions = 0};
   int refining = options->stage == TET_STAGE_REFINE;

@@ -14,8 +14,8 @@ extern "C" {
 #endif
 
 /** An implicit Steiner point on a segment: exactly a + t (b - a), where a and b
- * are explicit vertices (the ends of the input segment) and t is a double with
- * 0 < t < 1. Never nested. */
+ * are explicit vertices (the ends of the input segment or, of a point on a facet,
+ * any two in its plane) and t is a double with 0 < t < 1. Never nested. */
 typedef struct tet_segment_point {
   uint32_t a, b;
   double t;

@@ -93,6 +93,7 @@ void input_options(const tp_options *from, tet_options *ret_options) {
   ret_options->keep_hull = from->keep_hull;
   ret_options->planarity_tolerance = from->planarity_tolerance;
   ret_options->merge_angle = from->merge_angle;
+  ret_options->break_points = from->break_points;
   ret_options->neighbours = from->neighbours;
   ret_options->voronoi = voronoi[from->voronoi];
   ret_options->seed = from->seed;

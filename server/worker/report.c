@@ -43,6 +43,8 @@ static json_t *counts_json(const tet_mesh *m) {
   set_count(o, "segments", c->segments);
   set_count(o, "missing_segments", c->missing_segments);
   set_count(o, "segment_steiner_points", c->segment_steiner_points);
+  set_count(o, "break_points", c->break_points);
+  set_count(o, "degeneracies_left", c->degeneracies_left);
   set_count(o, "missing_subfaces", c->missing_subfaces);
   set_count(o, "cavities", c->cavities);
   set_count(o, "rounding_flips", c->rounding_flips);

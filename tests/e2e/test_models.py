@@ -49,6 +49,16 @@ def test_mesh_is_what_it_says(model, stage, judge, tmp_path):
     assert fault == ""
 
 
+@pytest.mark.parametrize(("model", "stage"), [case for model in VALID for case in stages_of(model) if case.values[1] == "cdt"])
+def test_degeneracies_are_removed(model, stage, judge, tmp_path):
+    prefix = tmp_path / "out"
+    done, report = models.run_mesher(model, f"{prefix}.node", "--stage", stage, "--break-points")
+    assert done.returncode == 0, done.stderr
+    assert report["audit"]["passed"] and report["counts"]["degeneracies_left"] == 0
+    if report["counts"]["break_points"]:  # else it is the mesh that was judged without them
+        assert models.run_judge(judge, model, prefix, "--cdt", "--markers") == ""
+
+
 def table(path):
     """The rows of a file of TetGen's kind, without header and number."""
     with open(path, encoding="ascii") as f:

@@ -481,6 +481,25 @@ def test_facets_are_merged_by_an_angle_and_the_report_says_how_far(tmp_path):
     assert done.returncode == 0 and "merge_angle" not in json.loads(report.read_text(encoding="utf-8"))["promised"]
 
 
+@pytest.mark.parametrize("stage", ["cdt", "refine"])
+def test_break_points_are_added_where_asked_for(tmp_path, cube, stage):
+    for option, counts in (([], {0}), (["--break-points"], {3, 4, 5, 6})):  # one on a side, of two squares mostly
+        out, report = tmp_path / "out.node", tmp_path / "r.json"
+        done = tetractl("mesh", cube, "-o", out, "--report", report, "--stage", stage, *option)
+        assert done.returncode == 0, done.stderr
+        said = json.loads(report.read_text(encoding="utf-8"))
+        assert said["audit"]["passed"] is True
+        assert said["counts"]["break_points"] in counts and said["counts"]["degeneracies_left"] == 0
+        assert len(numbers(out)) >= 8 + said["counts"]["break_points"]
+        assert ("degeneracies" in [s["name"] for s in said["stages"]]) == bool(option)
+
+
+def test_break_points_without_facets_end_with_2(tmp_path, cube):
+    done = tetractl("mesh", cube, "-o", tmp_path / "out.node", "--stage", "delaunay", "--break-points")
+    assert done.returncode == 2 and "--break-points" in done.stderr, done.stderr
+    assert only(tmp_path, "cube.off")
+
+
 def test_slivers_that_stay_are_listed_with_their_sharp_segment(tmp_path, wedge):
     out, report = tmp_path / "out.node", tmp_path / "r.json"
     done = tetractl("mesh", wedge, "-o", out, "--report", report, "--min-dihedral", "20")

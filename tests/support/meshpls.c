@@ -4,7 +4,7 @@
  *   meshpls INPUT(.node .poly .smesh .off) [PREFIX] [--stage delaunay|cdt|refine]
  *     [--radius-edge R] [--max-volume V] [--min-dihedral D] [--memory BYTES]
  *     [--deadline SECONDS] [--vertices N] [--tolerance T] [--merge-angle D]
- *     [--keep-hull] [--hilbert] [--order O2_O1|O1|O2|O3|O4|O5|relatively_short]
+ *     [--break-points] [--keep-hull] [--hilbert] [--order O2_O1|O1|O2|O3|O4|O5|relatively_short]
  *
  * Writes PREFIX.node, .ele, .face and .edge, and PREFIX.over: a row for each listed exception, its
  * tetrahedron, its radius-edge ratio and the subsegment to blame or -1; .sliver likewise, with
@@ -341,6 +341,9 @@ static void print_report(const job *j, const tet_mesh *m) {
   printf(",\"volume\":%.15g,\"rho\":%.4g,\"dihedral\":[%.4g,%.4g],\"peak\":%llu", r->quality.volume,
          r->quality.radius_edge.max, r->quality.dihedral_min.min, r->quality.dihedral_max.max,
          (unsigned long long)r->peak_bytes);
+  if (j->options.break_points)
+    printf(",\"break_points\":%llu,\"degeneracies_left\":%llu", (unsigned long long)c->break_points,
+           (unsigned long long)c->degeneracies_left);
   printf(",\"steiner\":%llu,\"cavities\":%llu,\"flips\":%llu,\"moves\":%llu", (unsigned long long)c->segment_steiner_points,
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
   printf(",\"refined\":[%llu,%llu,%llu]", (unsigned long long)c->refine_segment_points,
@@ -419,6 +422,8 @@ static void read_arguments(int argc, char **argv, job *j) {
       else j->prefix = argv[i];
     } else if (strcmp(argv[i], "--keep-hull") == 0) {
       j->options.keep_hull = 1;
+    } else if (strcmp(argv[i], "--break-points") == 0) {
+      j->options.break_points = 1;
     } else if (strcmp(argv[i], "--hilbert") == 0) {
       j->options.point_order = TET_ORDER_HILBERT;
     } else if (i + 1 < argc && take_value(j, argv[i], argv[i + 1])) {

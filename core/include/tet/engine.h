@@ -64,6 +64,9 @@ typedef struct tet_options {
                                   is a crease, like a diagonal of a polygon out of plane. It is no sharp segment
                                   and not promised Gabriel; the mesh holds it, and splits it where it must to be a
                                   CDT. 0: only exactly coplanar ones are one, without a side; default */
+  int break_points;            /* LOCALDEGENERACYREMOVAL (5.5): points are added on facets and segments until no two
+                                  neighbouring triangles of a facet are cocircular; else such ties are broken by
+                                  symbolic perturbation alone. Not with DELAUNAY */
   int neighbours;              /* deliver the neighbours array */
   tet_voronoi voronoi;         /* cells cut to the facets; not with DELAUNAY or keep_hull, whose hull has none */
   tet_point_order point_order; /* with HILBERT, point_same_as gives each input vertex's row */

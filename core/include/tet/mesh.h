@@ -22,7 +22,7 @@ typedef enum tet_origin {
   TET_ORIGIN_VOLUME = 3
 } tet_origin;
 
-enum { TET_MAX_STAGES = 8, TET_HISTOGRAM_BINS = 16 };
+enum { TET_MAX_STAGES = 9, TET_HISTOGRAM_BINS = 16 };
 
 typedef struct tet_stage_report {
   const char *name;
@@ -111,6 +111,8 @@ typedef struct tet_counts {
   uint64_t input_vertices, duplicate_vertices, unused_vertices;
   uint64_t facets, repeated_facets, segments;
   uint64_t missing_segments, segment_steiner_points;
+  uint64_t break_points, degeneracies_left; /* where they were asked for (5.5); pairs of facet triangles that are
+                                               cocircular still, when facets were recovered */
   uint64_t missing_subfaces, cavities;
   uint64_t rounding_flips, rounding_moves;
   uint64_t refine_segment_points, refine_facet_points, refine_volume_points;

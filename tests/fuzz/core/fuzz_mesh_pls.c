@@ -4,7 +4,7 @@
 // never fine, and ends the program: an internal error, a mesh whose audit did not pass, an input
 // vertex that lost its bits, memory still accounted for after the mesh is freed.
 //
-// Bytes: flags (stage 0-2, keep hull, neighbours, order, Voronoi cells, coordinates as doubles);
+// Bytes: flags (stage 0-2, keep hull, neighbours, order, Voronoi cells, coordinates as doubles, break points);
 // count and coordinates of points; count and polygons of facets (length, vertices);
 // loose segments; holes; regions. Past the end all bytes are 0.
 
@@ -130,6 +130,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   if ((flags & 32U) != 0 && options.stage != TET_STAGE_DELAUNAY && !options.keep_hull) {
     options.voronoi = TET_VORONOI_DIAGRAM;
   }
+  options.break_points = (flags & 128U) != 0 && options.stage != TET_STAGE_DELAUNAY;
   const tet_limits limits = {.memory_bytes = UINT64_C(256) << 20, .max_vertices = 3000, .deadline_seconds = 2};
 
   tet_ctx *ctx = NULL;

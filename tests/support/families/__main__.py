@@ -23,6 +23,7 @@ def main():
     parser.add_argument("--family", action="append", choices=sorted(families.FAMILIES), help="these alone")
     parser.add_argument("--count", type=int, default=500, help="cases, of all families in turn")
     parser.add_argument("--seed", type=int, default=1, help="of the first case of each family")
+    parser.add_argument("--break-points", action="store_true", help="remove local degeneracies; none may be left")
     parser.add_argument("--no-judge", action="store_true", help="the engine's own audit alone")
     parser.add_argument("--way", choices=sorted(spoils.WAYS), help="how --write spoils")
     parser.add_argument("--write", metavar="FILE", help="write one system and end")
@@ -36,7 +37,8 @@ def main():
         pls.write(given.write)
         return 0
     judge = None if given.no_judge or not runs.models.available() else runs.models.judge()
-    found = runs.run(names, given.count, given.seed, judge, lambda r: print(runs.complaint(r), flush=True))
+    found = runs.run(names, given.count, given.seed, judge, lambda r: print(runs.complaint(r), flush=True),
+                     runs.BREAKING if given.break_points else runs.CDT)
     print(runs.table(found))
     failed = sum(bool(r.faults()) for rs in found.values() for r in rs)
     print(f"{given.count - failed} hold, {failed} do not; " + ("judged" if judge else "not judged"))

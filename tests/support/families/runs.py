@@ -36,8 +36,8 @@ JUDGE_FAULT = re.compile(r'"[^"]*"')
 class Result:
     """What came of a case; a fault is empty, or says what is wrong."""
 
-    def __init__(self, name, seed):
-        self.name, self.seed = name, seed
+    def __init__(self, name, seed, options):
+        self.name, self.seed, self.options = name, seed, options
         self.fault = self.judge_fault = self.time_fault = self.spoil_fault = ""
         self.blind = False  # the judge could not tell
         self.way = ""  # in which the twin was spoiled
@@ -48,7 +48,11 @@ class Result:
         return [f for f in (self.fault, self.judge_fault, self.time_fault, spoiled) if f]
 
 
-def run_engine(path, prefix=None, options=("--stage", "cdt"), limit=LIMIT):
+CDT = ("--stage", "cdt")
+BREAKING = (*CDT, "--break-points")
+
+
+def run_engine(path, prefix=None, options=CDT, limit=LIMIT):
     """(completed process, its processor seconds); None instead of the process that is not done
     in `limit` seconds."""
     command = [MESHPLS, path, *([prefix] if prefix else []), *options]
@@ -103,16 +107,23 @@ def refusal_fault(done, expected):
     return ""
 
 
-def run_case(name, seed, folder, judge=None, way=None):
+def degeneracy_fault(report):
+    """With break points: whether a facet's triangulation is degenerate still."""
+    left = report.get("degeneracies_left", 0)
+    return f"{left} local degeneracies are left" if left else ""
+
+
+def run_case(name, seed, folder, judge=None, way=None, options=CDT):
     """Meshes and judges one member, and has its twin refused."""
-    result = Result(name, seed)
+    result = Result(name, seed, options)
     pls = families.make(name, seed)
     path, prefix = os.path.join(folder, "case.poly"), os.path.join(folder, "case.1")
     pls.write(path)
-    done, result.seconds = run_engine(path, prefix)
+    done, result.seconds = run_engine(path, prefix, options)
     result.fault = fault_of(done)
     if not result.fault:
         result.report = report_of(done)
+        result.fault = degeneracy_fault(result.report)
         if judge:
             result.judged = True
             result.judge_fault = judge_fault(judge, path, prefix, pls.volume is not None)
@@ -123,43 +134,44 @@ def run_case(name, seed, folder, judge=None, way=None):
     if spoiled:
         result.way, twin, expected = spoiled
         twin.write(path)
-        done, _ = run_engine(path)
+        done, _ = run_engine(path, options=options)
         result.spoil_fault = refusal_fault(done, expected)
     return result
 
 
-def time_fault(result, median, folder):
+def time_fault(result, median, folder, options):
     """Whether a result is too slow still where it is the best of three more."""
     most = MOST_TIMES * max(median, LEAST_MEDIAN)
     if result.seconds <= most:
         return ""
     path = os.path.join(folder, "slow.poly")
     families.make(result.name, result.seed).write(path)
-    result.seconds = min(result.seconds, *(run_engine(path, os.path.join(folder, "slow.1"))[1] for _ in range(3)))
+    result.seconds = min(result.seconds, *(run_engine(path, os.path.join(folder, "slow.1"), options)[1] for _ in range(3)))
     return f"{result.seconds:.2f} s, the family's median is {median:.3f} s" if result.seconds > most else ""
 
 
-def run(names, count, first, judge, tell=None):
+def run(names, count, first, judge, tell=None, options=CDT):
     """`count` cases, the families in turn; returns {family: [Result]}."""
     found = collections.defaultdict(list)
     with tempfile.TemporaryDirectory() as folder:
         for i in range(count):
             name = names[i % len(names)]
-            result = run_case(name, first + i // len(names), folder, judge)
+            result = run_case(name, first + i // len(names), folder, judge, options=options)
             found[name].append(result)
             if tell and result.faults():
                 tell(result)
         for results in found.values():
             median = statistics.median(r.seconds for r in results)
             for r in results:
-                r.time_fault = time_fault(r, median, folder)
+                r.time_fault = time_fault(r, median, folder, options)
                 if r.time_fault and tell:
                     tell(r)
     return found
 
 
 def command_for(result):
-    return f"python3 tests/support/families --family {result.name} --seed {result.seed} --count 1"
+    option = " --break-points" if result.options == BREAKING else ""
+    return f"python3 tests/support/families --family {result.name} --seed {result.seed} --count 1{option}"
 
 
 def complaint(result):
@@ -167,12 +179,12 @@ def complaint(result):
 
 
 def table(found):
-    head = f"{'family':22} {'cases':>6} {'meshed':>7} {'judged':>7} {'blind':>6} {'spoiled':>8} {'refused':>8} {'median s':>9} {'worst s':>8} {'Steiner':>8} {'flips':>7} {'moves':>6}"
+    head = f"{'family':22} {'cases':>6} {'meshed':>7} {'judged':>7} {'blind':>6} {'spoiled':>8} {'refused':>8} {'median s':>9} {'worst s':>8} {'Steiner':>8} {'breaks':>7} {'flips':>7} {'moves':>6}"
     lines = [head]
     for name, rs in found.items():
         spoiled = [r for r in rs if r.way]
-        counts = [statistics.fmean([r.report.get(k, 0) for r in rs]) for k in ("steiner", "flips", "moves")]
+        counts = [statistics.fmean([r.report.get(k, 0) for r in rs]) for k in ("steiner", "break_points", "flips", "moves")]
         lines.append(f"{name:22} {len(rs):6} {sum(bool(r.report) for r in rs):7} {sum(r.judged and not r.judge_fault for r in rs):7} {sum(r.blind for r in rs):6} {len(spoiled):8} "
                      f"{sum(not r.spoil_fault for r in spoiled):8} {statistics.median(r.seconds for r in rs):9.4f} "
-                     f"{max(r.seconds for r in rs):8.3f} {counts[0]:8.1f} {counts[1]:7.1f} {counts[2]:6.2f}")
+                     f"{max(r.seconds for r in rs):8.3f} {counts[0]:8.1f} {counts[1]:7.1f} {counts[2]:7.1f} {counts[3]:6.2f}")
     return "\n".join(lines)

@@ -26,6 +26,7 @@ static void defaults_are_the_text_s(void **state) {
     assert_int_equal(options.order, TP_INSERT_O2_O1);
     assert_false(options.keep_hull);
     assert_true(options.merge_angle == 0.0);
+    assert_false(options.break_points);
     assert_int_equal(options.voronoi, TP_VORONOI_NONE);
     assert_int_equal(options.point_order, TP_ORDER_HILBERT);
     assert_true(options.memory_bytes == 0 && options.max_vertices == 0 && options.seed == 0);
@@ -55,6 +56,8 @@ static void refusals_name_the_option(void **state) {
       {"{\"order\":2}", "options.order"},
       {"{\"stage\":\"cdt\",\"order\":\"O2\"}", "options.order"},
       {"{\"keep_hull\":1}", "options.keep_hull"},
+      {"{\"break_points\":1}", "options.break_points"},
+      {"{\"stage\":\"delaunay\",\"break_points\":true}", "options.break_points"},
       {"{\"planarity_tolerance\":-1e-9}", "options.planarity_tolerance"},
       {"{\"seed\":-1}", "options.seed"},
       {"{\"seed\":1.0}", "options.seed"},
@@ -93,6 +96,7 @@ static void what_is_written_is_read(void **state) {
                              .keep_hull = true,
                              .planarity_tolerance = 1e-6,
                              .merge_angle = 12.5,
+                             .break_points = true,
                              .seed = UINT64_C(1) << 53,
                              .neighbours = true,
                              .point_order = TP_ORDER_INPUT_FIRST,
@@ -105,14 +109,14 @@ static void what_is_written_is_read(void **state) {
   assert_int_equal(json_object_size(json), 0);
   json_decref(json);
   json = tp_options_json(&wanted);
-  assert_int_equal(json_object_size(json), 13);
+  assert_int_equal(json_object_size(json), 14);
   assert_int_equal(tp_options_parse(json, &read, NULL), TP_OK);
   json_decref(json);
   assert_true(read.stage == wanted.stage && read.radius_edge == wanted.radius_edge &&
               read.max_volume == wanted.max_volume && read.min_dihedral == 0.0 && read.order == TP_INSERT_O3 &&
               read.keep_hull && read.neighbours &&
               read.planarity_tolerance == wanted.planarity_tolerance && read.seed == wanted.seed &&
-              read.merge_angle == 12.5 && read.point_order == wanted.point_order && read.memory_bytes == 1 &&
+              read.merge_angle == 12.5 && read.break_points && read.point_order == wanted.point_order && read.memory_bytes == 1 &&
               read.max_vertices == 3 && read.threads == 31);
   for (int order = TP_INSERT_O2_O1; order <= TP_INSERT_RELATIVELY_SHORT; order++) {
     tp_options_default(&read);

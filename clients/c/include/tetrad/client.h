@@ -75,6 +75,7 @@ typedef struct tetrad_options {
     int keep_hull;              /* keep the convex hull */
     double planarity_tolerance; /* length */
     double merge_angle;         /* degrees, up to 45: sides this flat are creases, no sharp segments */
+    int break_points;           /* add points until no facet's triangles are cocircular; not with "delaunay" */
     int neighbours;             /* deliver the array `neighbours` */
     const char *voronoi;        /* "factors", "diagram"; NULL: no Voronoi cells */
     const char *point_order;    /* "hilbert" (default), "input_first" */

@@ -18,6 +18,7 @@ static tet_options options_of(int order) {
   tet_options o;
   tet_options_default(&o);
   o.neighbours = order;
+  o.break_points = order;
   o.voronoi = order ? TET_VORONOI_DIAGRAM : TET_VORONOI_NONE;
   o.point_order = order ? TET_ORDER_HILBERT : TET_ORDER_INPUT_FIRST;
   return o;
@@ -78,7 +79,7 @@ static void stop_in(void *user, const tet_progress *progress) {
 /* Asked for at any stage's begin, the end comes. */
 static void cancels(void **state) {
   (void)state;
-  static const char *const stages[] = {"surface", "delaunay", "segments", "facets", "regions", "refine", "audit", "voronoi"};
+  static const char *const stages[] = {"surface", "delaunay", "degeneracies", "segments", "facets", "regions", "refine", "audit", "voronoi"};
   make_boxes(3, &made);
   tet_options options = options_of(1);
   for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {

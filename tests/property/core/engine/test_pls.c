@@ -132,6 +132,45 @@ static void oblique_boxes(void **state) {
   for (uint64_t seed = 1; seed <= runs(25); seed++) check_oblique(seed);
 }
 
+/* With break points: no facet is degenerate before rounding, and what holds of solids holds. */
+static void solids_with_break_points(void **state) {
+  (void)state;
+  static made_pls made;
+  for (uint64_t seed = 1; seed <= runs(25); seed++) {
+    tet_ctx *ctx;
+    tet_options options;
+    if (seed % 2) make_boxes(seed, &made);
+    else make_stack(seed, &made);
+    if (seed % 3 == 0) make_oblique(seed, &made);
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    tet_options_default(&options);
+    for (int stage = TET_STAGE_CDT; stage <= TET_STAGE_REFINE; stage++) {
+      options.stage = (tet_stage)stage;
+      options.break_points = 0;
+      tet_mesh *plain = mesh_of(ctx, &made, &options, seed);
+      assert_true(plain->report.counts.break_points == 0 && plain->report.counts.degeneracies_left == 0);
+      options.break_points = 1;
+      options.threads = 1;
+      tet_mesh *a = mesh_of(ctx, &made, &options, seed);
+      options.threads = 2;
+      tet_mesh *b = mesh_of(ctx, &made, &options, seed);
+      assert_same(a, b);
+      if (a->report.counts.degeneracies_left)
+        fail_msg("seed %llu, stage %d: %llu of %llu", (unsigned long long)seed, stage,
+                 (unsigned long long)a->report.counts.degeneracies_left, (unsigned long long)a->report.counts.break_points);
+      if (seed % 3) assert_true(a->report.counts.break_points > 0); /* rectangles */
+      assert_true(fabs(a->report.quality.volume - made.volume) <= 1e-9 * made.volume);
+      check_regions(&made, a);
+      check_attributes(&made, a);
+      tet_mesh_free(plain);
+      tet_mesh_free(a);
+      tet_mesh_free(b);
+    }
+    assert_int_equal(tet_ctx_bytes(ctx), 0);
+    tet_ctx_free(ctx);
+  }
+}
+
 /* Whether all points lie in one plane: by trying every plane through the first two
  * that differ and the first off their line. */
 static int coplanar(const made_pls *p) {
@@ -221,6 +260,7 @@ static void kept_hulls(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(point_sets),    cmocka_unit_test(boxes),
                                      cmocka_unit_test(stacks),        cmocka_unit_test(oblique_boxes),
+                                     cmocka_unit_test(solids_with_break_points),
                                      cmocka_unit_test(volume_bounds), cmocka_unit_test(kept_hulls)};
   return cmocka_run_group_tests_name("pls", tests, NULL, NULL);
 }

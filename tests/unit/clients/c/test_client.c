@@ -181,6 +181,7 @@ static void refuses_arguments_before_sending(void **state) {
                                     {.merge_angle = -1},
                                     {.merge_angle = 46},
                                     {.stage = "cdt", .merge_angle = 5},
+                                    {.stage = "delaunay", .break_points = 1},
                                     {.min_dihedral = 40},
                                     {.order = "O6"},
                                     {.stage = "cdt", .order = "O1"},

@@ -301,8 +301,8 @@ static void stages_gather(void **state) {
   assert_int_equal(s[0].tetrahedra, 7);
   assert_int_equal(s[1].vertices, 8); /* what it did not change it keeps */
   assert_true(s[0].seconds >= 0 && s[0].cpu_seconds >= 0);
-  static const char *const more[] = {"a", "b", "c", "d", "e", "f", "g", "h"};
-  for (int i = 0; i < 8; i++) tet_stage_begin(ctx, more[i]);
+  static const char *const more[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i"};
+  for (int i = 0; i < 9; i++) tet_stage_begin(ctx, more[i]);
   tet_stage_end(ctx);
   tet_stages(ctx, &n);
   assert_int_equal(n, TET_MAX_STAGES);

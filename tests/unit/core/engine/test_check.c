@@ -139,6 +139,12 @@ static void options(void **state) {
     assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   }
   tet_options_default(&o);
+  o.break_points = 1; /* there are no facets to break */
+  assert_int_equal(tet_check_options(ctx, &o), TET_OK);
+  o.stage = TET_STAGE_DELAUNAY;
+  assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
+  assert_non_null(strstr(tet_ctx_error(ctx)->message, "break points"));
+  tet_options_default(&o);
   o.keep_hull = 1; /* there are no facets on the hull that refinement could split */
   assert_int_equal(tet_check_options(ctx, &o), TET_E_ARGUMENT);
   o.stage = TET_STAGE_CDT;
