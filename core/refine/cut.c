@@ -161,10 +161,11 @@ static double beside_end(const refiner *r, uint32_t e, int k, uint32_t by, doubl
 
 /* Near 1, another for each point. Cuts on common spheres make four vertices of a
  * facet cocircular time and again; rounded, they are off their plane as well, and
- * the two sides of the facet would see that tie differently. */
-double refine_off_tie(const refiner *r) {
+ * the two sides of the facet would see that tie differently. Off by `most`, if that is less: beside a point
+ * close by, a cut farther off than a part of its squared distance would encroach, or be encroached. */
+double refine_off_tie(const refiner *r, double most) {
   uint32_t k = (r->points.n * 2654435761u) >> 12;
-  return 1 + (double)k * 0x1p-46;
+  return 1 + (double)k * 0x1p-20 * fmin(0x1p-26, most);
 }
 
 /* Where subsegment e, encroached by vertex `by` or TET_NONE, is cut: as a fraction
@@ -173,17 +174,19 @@ double refine_cut(const refiner *r, uint32_t e, uint32_t by, double length) {
   static const double least = 0.1; /* no closer to an end than that */
   uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
   if (by == TET_NONE) return r->picking ? 0.5 + 0.2 * refine_chance(r, 3) : 0.5;
+  double height2;
+  along(r, a, b, by, length, &height2);
   for (int k = 0; k < 2; k++) {
     if (!shares_end(r, by, k ? b : a)) continue;
-    double cut = beside_end(r, e, k, by, length) * refine_off_tie(r);
+    double cut = beside_end(r, e, k, by, length) * refine_off_tie(r, height2 / 16);
     if (cut > least && cut < 1 - least) return k ? 1 - cut : cut;
   }
-  double cut = beside(r, a, b, by, length) * refine_off_tie(r);
+  double cut = beside(r, a, b, by, length) * refine_off_tie(r, height2 / 16);
   if (cut > least && cut < 1 - least) return cut;
   int at_a = a < r->n_first && (r->segment_end[a] & END_ACUTE), at_b = b < r->n_first && (r->segment_end[b] & END_ACUTE);
   if (!(r->segment_sharp[r->seg_of[e]] & 1) || at_a == at_b) return 0.5;
   int power;
   frexp(length * (2.0 / 3.0), &power);
-  cut = ldexp(1.0, power - 1) / length * refine_off_tie(r); /* about 1/3 to 2/3 */
+  cut = ldexp(1.0, power - 1) / length * refine_off_tie(r, 1); /* about 1/3 to 2/3 */
   return at_a ? cut : 1 - cut;
 }

@@ -329,7 +329,7 @@ int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int 
 tet_status refine_open_queue(refiner *r);
 
 /* cut.c */
-double refine_off_tie(const refiner *r);
+double refine_off_tie(const refiner *r, double most);
 double refine_cut(const refiner *r, uint32_t e, uint32_t by, double length);
 
 /* split_segment.c, split_facet.c, split_tet.c: R1, R2, R3. */

@@ -54,7 +54,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
     x[i] = 0.5 * (a[i] + b[i]);
     exact = exact && x[i] - a[i] == b[i] - x[i];
   }
-  if (!exact && cut == 0.5) cut *= refine_off_tie(r);
+  if (!exact && cut == 0.5) cut *= refine_off_tie(r, 1);
   for (int i = 0; i < 3 && !exact; i++) x[i] = a[i] + cut * (b[i] - a[i]);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_SEGMENT, r->seg_of[e]);
   if (status) return status;

@@ -25,6 +25,10 @@ LIMITS = (12000, 120)  # vertices, seconds
 NARROW = {"boxes-nested", "boxes-touching", "interfaces-far", "interfaces-flattened",
           "interfaces-squeezed", "layers", "needles"}
 
+# Further seeds, which did not hold once: a search that took most of the time in vain; segments at angles of
+# 1e-5 degrees, cut so far from common spheres that they encroached upon each other.
+AGAIN = {"needles": (15, 1012)}
+
 # What does not hold yet, and why; one that holds is an error, so that the list stays true.
 NOT_YET = {}
 
@@ -37,7 +41,7 @@ def judge():
 @pytest.mark.parametrize("name", NAMES)
 def test_members_are_refined(name, tmp_path):
     said = []
-    for seed in range(SEED, SEED + -(-RUNS // len(NAMES))):
+    for seed in (*range(SEED, SEED + -(-RUNS // len(NAMES))), *AGAIN.get(name, ())):
         case = refined.run_member(name, seed, tmp_path, judge(), LIMITS)
         if "seconds" in case.over_limit or (case.over_limit and name not in NARROW):
             case.faults.append(case.over_limit)
