@@ -166,9 +166,9 @@ static size_t fan_end(const refiner *r, uint32_t t, uint32_t a, uint32_t b, uint
   }
 }
 
-/* A subface over the bound that keeps t over it, whatever is inserted off it: one of its own, on which no
- * tetrahedron has a better ratio; or, where both that the tetrahedra around its shortest edge end at are over,
- * one of these. TET_NONE: there is none. */
+/* A subface over the bound for which t is over it too: one of its own, on which no tetrahedron has a better
+ * ratio; or, where both subfaces that the tetrahedra around its shortest edge end at are over, one of these:
+ * between them points in the volume leave more over the bound than they mend. TET_NONE: there is none. */
 static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   const uint8_t *e = refine_edge[shortest_edge(r, t)], *f = refine_edge[5 - shortest_edge(r, t)];
@@ -178,27 +178,6 @@ static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   size_t end = fan_end(r, t, v[e[0]], v[e[1]], v[f[0]]);
   if (end == SIZE_MAX || long_wall(r, end) == TET_NONE) return TET_NONE;
   return long_wall(r, fan_end(r, t, v[e[0]], v[e[1]], v[f[1]]));
-}
-
-/* *ret = 1 where segments meet below 60 degrees and circumcentre x hits something: that is split first then,
- * as off-centres would leave more tetrahedra over the bound. */
-static tet_status centre_first(refiner *r, uint32_t t, const double x[3], int *ret) {
-  const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
-  int acute = 0;
-  *ret = 0;
-  for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && (r->segment_end[corner[i]] & END_ACUTE);
-  if (!acute || !is_place(x)) return TET_OK;
-  tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
-  if (status) return status;
-  if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) > 0) {
-    status = refine_cavity_of_tet(r, r->points.n - 1, t);
-    if (!status) status = refine_collect_hits(r, 1);
-    if (status) return status;
-    *ret = r->hit_segs.n || r->hit_subs.n;
-    refine_cavity_clear(r);
-  }
-  refine_drop_point(r);
-  return TET_OK;
 }
 
 /* For t, over the bound because of subface `wall`: no point in the volume. *ret_kept = 1 where what could be
@@ -222,9 +201,7 @@ static tet_status split_wall(refiner *r, uint32_t t, uint32_t wall, const double
 static tet_status split_volume(refiner *r, uint32_t t, double shortest2, const double centre[3], refine_outcome *ret) {
   double x[3];
   tet_status status = TET_OK;
-  int is_off = off_centre(r, t, centre, x), last = 0;
-  if (is_off) status = centre_first(r, t, centre, &last);
-  if (!status && is_off && !last) status = try_point(r, t, x, POINT_ONLY, ret);
+  if (off_centre(r, t, centre, x)) status = try_point(r, t, x, POINT_ONLY, ret);
   uint64_t noise = r->result.rejected.outside;
   if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, POINT_OR_INSTEAD, ret);
   if (!status && noise != r->result.rejected.outside) {
@@ -232,8 +209,6 @@ static tet_status split_volume(refiner *r, uint32_t t, double shortest2, const d
     refine_pick(r, shortest2, x);
     status = try_point(r, t, x, POINT_OR_INSTEAD, ret);
   }
-  if (!status && *ret == OUTCOME_REJECTED && last && off_centre(r, t, centre, x))
-    status = try_point(r, t, x, POINT_ONLY, ret);
   return status;
 }
 
