@@ -144,17 +144,15 @@ static double best_cut(const refiner *r, uint32_t e, double low, double high, do
 }
 
 /* Where subsegment e is cut, as a fraction from its end k, which is on the segment of vertex `by` too: as
- * far from it as `by`. At wide angles there is a choice, about there, among the cuts that free
- * both halves of `by`; but not close to the end, as cuts could come closer to it
- * forever, segment after segment around it. */
+ * far from it as `by`, or, at wide angles, from about there on, where it is cheapest: but not close to
+ * the end, as cuts could come closer to it forever, segment after segment around it. */
 static double beside_end(const refiner *r, uint32_t e, int k, uint32_t by, double length) {
   static const double nearer = 0.75, close = 0.1, least = 0.2, wide = 0.9; /* the last: a cosine */
   const tet_segment *whole = &r->out->segment[r->seg_of[e]];
   const uint32_t *v = r->seg_v + 2 * (size_t)e;
   double height2, foot = along(r, v[k], v[1 - k], by, length, &height2), same = distance(r, by, v[k]) / length;
   if (same * length < close * distance(r, whole->a, whole->b) || !(foot > 0) || foot > wide * same) return same;
-  double low = fmax(fmax(nearer * same, foot - height2 / (1 - foot)), least);
-  double high = fmin(foot + height2 / foot, 1 - least);
+  double low = fmax(nearer * same, least), high = 1 - least;
   if (!(low < high)) return same;
   return k ? 1 - best_cut(r, e, 1 - high, 1 - low, length) : best_cut(r, e, low, high, length);
 }

@@ -166,9 +166,9 @@ static size_t fan_end(const refiner *r, uint32_t t, uint32_t a, uint32_t b, uint
   }
 }
 
-/* A subface over the bound that keeps t over it, whatever is inserted off it: one of its own, on which no
- * tetrahedron has a better ratio; or, where both that the tetrahedra around its shortest edge end at are over,
- * one of these. TET_NONE: there is none. */
+/* A subface over the bound for which t is over it too: one of its own, on which no tetrahedron has a better
+ * ratio; or, where both subfaces that the tetrahedra around its shortest edge end at are over, one of these:
+ * between them points in the volume leave more over the bound than they mend. TET_NONE: there is none. */
 static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   const uint8_t *e = refine_edge[shortest_edge(r, t)], *f = refine_edge[5 - shortest_edge(r, t)];
@@ -178,26 +178,6 @@ static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   size_t end = fan_end(r, t, v[e[0]], v[e[1]], v[f[0]]);
   if (end == SIZE_MAX || long_wall(r, end) == TET_NONE) return TET_NONE;
   return long_wall(r, fan_end(r, t, v[e[0]], v[e[1]], v[f[1]]));
-}
-
-/* Where segments meet below 60 degrees and circumcentre x hits something, that is split first, as off-centres
- * would leave more tetrahedra over the bound: then *ret_hit = 1, and *ret is what came of that. */
-static tet_status hits_first(refiner *r, uint32_t t, const double x[3], int *ret_hit, refine_outcome *ret) {
-  const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
-  int acute = 0;
-  *ret_hit = 0;
-  for (int i = 0; i < 4; i++) acute |= corner[i] < r->n_first && (r->segment_end[corner[i]] & END_ACUTE);
-  if (!acute || !is_place(x)) return TET_OK;
-  tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
-  if (status) return status;
-  if (tet_insphere_sos(&r->points, corner[0], corner[1], corner[2], corner[3], r->points.n - 1) > 0) {
-    status = refine_grow_or_hit(r, r->points.n - 1, t);
-    if (status) return status;
-    *ret_hit = r->hit_segs.n || r->hit_subs.n;
-    refine_cavity_clear(r);
-  }
-  refine_drop_point(r);
-  return *ret_hit ? split_hits(r, ret) : TET_OK;
 }
 
 /* For t, over the bound because of subface `wall`: no point in the volume. *ret_kept = 1 where what could be
@@ -221,18 +201,14 @@ static tet_status split_wall(refiner *r, uint32_t t, uint32_t wall, const double
 static tet_status split_volume(refiner *r, uint32_t t, double shortest2, const double centre[3], refine_outcome *ret) {
   double x[3];
   tet_status status = TET_OK;
-  int is_off = off_centre(r, t, centre, x), hit = 0;
-  if (is_off) status = hits_first(r, t, centre, &hit, ret);
-  if (!status && is_off && !hit) status = try_point(r, t, x, POINT_ONLY, ret);
+  if (off_centre(r, t, centre, x)) status = try_point(r, t, x, POINT_ONLY, ret);
   uint64_t noise = r->result.rejected.outside;
-  if (!status && !hit && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, POINT_OR_INSTEAD, ret);
+  if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, POINT_OR_INSTEAD, ret);
   if (!status && noise != r->result.rejected.outside) {
     face_centre(r, t, x);
     refine_pick(r, shortest2, x);
     status = try_point(r, t, x, POINT_OR_INSTEAD, ret);
   }
-  if (!status && hit && *ret == OUTCOME_REJECTED && off_centre(r, t, centre, x))
-    status = try_point(r, t, x, POINT_ONLY, ret);
   return status;
 }
 
