@@ -2,7 +2,7 @@
 /* repair.c: restores the local Delaunay property off the subfaces where rounding
  * broke it, by exact flips (Lawson): 2-3, 3-2 and 4-4. Subfaces, subsegments and
  * flatness by incidence are respected; what sticks waits for the next insertion
- * beside it. */
+ * beside it. And flips the creases away that rounding has bent facets at. */
 #include "refine/refiner.h"
 
 #include <string.h>
