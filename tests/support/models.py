@@ -20,6 +20,7 @@ from harness import BUILD, ROOT, TETRACTL
 SHARED = pathlib.Path(os.environ.get("TETRAD_SHARED", ROOT.parent / "shared"))
 RADIUS_EDGE = 2.0
 MOST_EXCEPTIONS = 0.05  # of the tetrahedra
+MOST_OF_REFERENCE = 0.5  # of those of the reference mesh
 ANY_NUMBER = "1000000000"
 
 
@@ -151,7 +152,7 @@ def check(program, model, stage, folder_out):
     if unblamed:
         return f"{unblamed} of {count} exceptions have no sharp segment to blame", report
     tetrahedra = report["stages"][-1]["tetrahedra"]
-    most = max(MOST_EXCEPTIONS * tetrahedra, reference_over(model))
+    most = max(MOST_EXCEPTIONS * tetrahedra, MOST_OF_REFERENCE * reference_over(model))
     if count > most:
         return f"{count} exceptions of {tetrahedra} tetrahedra, {most:.0f} would do", report
     return "", report
