@@ -38,12 +38,12 @@ static int opposite(const refiner *r, uint32_t s, double x[3]) {
   return 0;
 }
 
-/* Puts x back into the plane: along the normal, or of a needle, whose normal is rounded by more than
- * coordinates are, by its directions. */
+/* Puts x back into the plane: along the normal, or of a needle, whose normal is rounded by a thousand
+ * times more than coordinates are, by its directions. */
 static void into_plane(const refiner *r, const refine_patch *plane, double x[3]) {
   double d[3], along2 = tet_square(plane->along), across2 = tet_square(plane->across);
   tet_minus(x, plane->origin, d);
-  if (along2 > r->points.max_abs * sqrt(across2) && across2 > 0) {
+  if (along2 > 1000 * r->points.max_abs * sqrt(across2) && across2 > 0) {
     double u = tet_dot(d, plane->along) / along2, v = tet_dot(d, plane->across) / across2;
     for (int i = 0; i < 3; i++) x[i] = plane->origin[i] + (u * plane->along[i] + v * plane->across[i]);
     return;
