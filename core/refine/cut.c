@@ -17,6 +17,7 @@
 
 #include "base/vector.h"
 
+#include <float.h>
 #include <math.h>
 
 static double distance(const refiner *r, uint32_t a, uint32_t b) {
@@ -174,12 +175,13 @@ double refine_cut(const refiner *r, uint32_t e, uint32_t by, double length) {
   if (by == TET_NONE) return r->picking ? 0.5 + 0.2 * refine_chance(r, 3) : 0.5;
   double height2;
   along(r, a, b, by, length, &height2);
+  double most = fmax(height2 / 16, 64 * DBL_EPSILON * r->points.max_abs / length); /* not below rounding */
   for (int k = 0; k < 2; k++) {
     if (!shares_end(r, by, k ? b : a)) continue;
-    double cut = beside_end(r, e, k, by, length) * refine_off_tie(r, height2 / 16);
+    double cut = beside_end(r, e, k, by, length) * refine_off_tie(r, most);
     if (cut > least && cut < 1 - least) return k ? 1 - cut : cut;
   }
-  double cut = beside(r, a, b, by, length) * refine_off_tie(r, height2 / 16);
+  double cut = beside(r, a, b, by, length) * refine_off_tie(r, most);
   if (cut > least && cut < 1 - least) return cut;
   int at_a = a < r->n_first && (r->segment_end[a] & END_ACUTE), at_b = b < r->n_first && (r->segment_end[b] & END_ACUTE);
   if (!(r->segment_sharp[r->seg_of[e]] & 1) || at_a == at_b) return 0.5;

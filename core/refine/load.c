@@ -4,6 +4,8 @@
  * Takes the arrays of the pieces over; decides nothing about refinement. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -112,6 +114,22 @@ static void flip_sub(refiner *r, uint32_t s) {
   v[2] = w;
 }
 
+/* Origin and directions of the plane of triangle v. */
+static void set_plane(const refiner *r, const uint32_t v[3], refine_patch *ret) {
+  double longest2 = -1;
+  for (int i = 0; i < 3; i++) {
+    const double *a = refine_x(r, v[i]), *b = refine_x(r, v[(i + 1) % 3]), *c = refine_x(r, v[(i + 2) % 3]);
+    double length2 = tet_distance2(a, b), d[3];
+    if (length2 <= longest2) continue;
+    longest2 = length2;
+    memcpy(ret->origin, a, sizeof ret->origin);
+    tet_minus(b, a, ret->along);
+    tet_minus(c, a, d);
+    double share = length2 > 0 ? tet_dot(d, ret->along) / length2 : 0;
+    for (int k = 0; k < 3; k++) ret->across[k] = d[k] - share * ret->along[k];
+  }
+}
+
 /* The patch of subface `first`: all reached over edges that are no subsegments.
  * Its plane is that of its largest triangle. Orients the members in list order. */
 static tet_status gather_patch(refiner *r, uint32_t first, const uint32_t *facet, refine_list *list,
@@ -150,7 +168,7 @@ static tet_status gather_patch(refiner *r, uint32_t first, const uint32_t *facet
     if (fabs(normal[i]) > fabs(normal[p.axis])) p.axis = i;
   double length = sqrt(most);
   int back = normal[p.axis] < 0;
-  memcpy(p.origin, refine_x(r, r->sub_v[3 * (size_t)largest]), sizeof p.origin);
+  set_plane(r, r->sub_v + 3 * (size_t)largest, &p);
   for (int i = 0; i < 3; i++) p.normal[i] = normal[i] / (length > 0 ? length : 1);
   for (uint32_t k = 0; k < list->n; k++)
     if (turned[list->at[k]] ^ back) flip_sub(r, list->at[k]);

@@ -63,6 +63,7 @@ typedef struct refine_patch {
   int axis;          /* dropped coordinate; the patch's subfaces are positive in it */
   double origin[3];  /* of its plane */
   double normal[3];  /* unit */
+  double along[3], across[3]; /* in the plane: the longest side of its largest triangle, and the height on that */
 } refine_patch;
 
 /* Keys are powers of two and 1 << FINE equal parts of each; QUARTER of these are a quarter. */

@@ -38,11 +38,25 @@ static int opposite(const refiner *r, uint32_t s, double x[3]) {
   return 0;
 }
 
+/* Puts x back into the plane: along the normal, or of a needle, whose normal is rounded by a thousand
+ * times more than coordinates are, by its directions. */
+static void into_plane(const refiner *r, const refine_patch *plane, double x[3]) {
+  double d[3], along2 = tet_square(plane->along), across2 = tet_square(plane->across);
+  tet_minus(x, plane->origin, d);
+  if (along2 > 1000 * r->points.max_abs * sqrt(across2) && across2 > 0) {
+    double u = tet_dot(d, plane->along) / along2, v = tet_dot(d, plane->across) / across2;
+    for (int i = 0; i < 3; i++) x[i] = plane->origin[i] + (u * plane->along[i] + v * plane->across[i]);
+    return;
+  }
+  double off = tet_dot(d, plane->normal);
+  for (int i = 0; i < 3; i++) x[i] -= off * plane->normal[i];
+}
+
 /* The circumcentre of subface s, put back into its patch's plane. */
 static int centre_of(const refiner *r, uint32_t s, double c[3]) {
   const uint32_t *v = r->sub_v + 3 * (size_t)s;
   const double *o = refine_x(r, v[0]);
-  double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0, off = 0;
+  double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0;
   for (int i = 0; i < 3; i++) {
     p[i] = refine_x(r, v[1])[i] - o[i];
     q[i] = refine_x(r, v[2])[i] - o[i];
@@ -59,9 +73,7 @@ static int centre_of(const refiner *r, uint32_t s, double c[3]) {
   for (int i = 0; i < 3; i++)
     c[i] = o[i] + (w[(i + 1) % 3] * n[(i + 2) % 3] - w[(i + 2) % 3] * n[(i + 1) % 3]) / (2 * nn);
   refine_pick(r, fmin(fmin(pp, qq), pp + qq - 2 * (p[0] * q[0] + p[1] * q[1] + p[2] * q[2])), c);
-  const refine_patch *plane = &r->patch[r->sub_patch[s]];
-  for (int i = 0; i < 3; i++) off += (c[i] - plane->origin[i]) * plane->normal[i];
-  for (int i = 0; i < 3; i++) c[i] -= off * plane->normal[i];
+  into_plane(r, &r->patch[r->sub_patch[s]], c);
   return 1;
 }
 
@@ -152,7 +164,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
  * one; where the facet's diagonals had to stay, as beside a Steiner point rounded off a crease, there may be,
  * and cutting that subsegment would bring nothing, time and again. */
 static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret) {
-  double longest2 = -1, x[3] = {0, 0, 0}, off = 0;
+  double longest2 = -1, x[3] = {0, 0, 0};
   uint32_t at = 3 * s;
   for (uint32_t h = 3 * s; h < 3 * s + 3; h++) {
     const double *a = refine_x(r, r->sub_v[h]), *b = refine_x(r, r->sub_v[3 * s + (h + 1) % 3]);
@@ -164,8 +176,7 @@ static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_
   }
   if (r->sub_seg[at] != TET_NONE) return refine_split_seg(r, r->sub_seg[at], TET_NONE, cause, ret);
   const refine_patch *plane = &r->patch[r->sub_patch[s]];
-  for (int i = 0; i < 3; i++) off += (x[i] - plane->origin[i]) * plane->normal[i];
-  for (int i = 0; i < 3; i++) x[i] -= off * plane->normal[i];
+  into_plane(r, plane, x);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, plane->facet);
   return status ? status : try_centre(r, s, s, cause, ret);
 }
