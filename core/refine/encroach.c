@@ -129,15 +129,15 @@ tet_status refine_collect_hits(refiner *r, int subfaces) {
   return collect(r, 0, subfaces);
 }
 
-/* Grows the cavity of p from `tet`, and collects what p hits. The cavity of a circumcentre far off can
- * have most of the mesh: where something near is hit, the search ends, for the cavity is not going to
- * be filled. */
-tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet) {
-  size_t k = 0, seen = 0;
+/* Grows the cavity of p from `tet`, and collects what p hits. That of a circumcentre far off can have most of the
+ * mesh: the search ends where the cavity is not going to be filled, as something near is hit, or `hits_alone`
+ * are asked for; what is hit farther off is not looked for. */
+tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, int hits_alone) {
+  size_t k = 0, seen = 0, end = hits_alone ? NEAR : SIZE_MAX;
   int more = 1;
   r->hit_segs.n = r->hit_subs.n = 0;
   tet_status status = refine_cavity_of_tet(r, p, tet);
-  for (size_t most = NEAR; more && !r->hit_segs.n && !r->hit_subs.n && !status; most *= 2) {
+  for (size_t most = NEAR; more && most <= end && !r->hit_segs.n && !r->hit_subs.n && !status; most *= 2) {
     status = tet_complex_grow_to(&r->mesh, p, most, &k, &more);
     if (!status) status = collect(r, seen, 1);
     seen = r->mesh.n_cavity;

@@ -56,7 +56,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt w
   }
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
-  status = refine_grow_or_hit(r, p, t);
+  status = refine_grow_or_hit(r, p, t, what == INSTEAD_ONLY);
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
   if (!hit && what != INSTEAD_ONLY) {
