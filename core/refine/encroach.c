@@ -85,7 +85,9 @@ static void deepest_first(refiner *r) {
   hits->at[best] = first;
 }
 
-/* refine_collect_hits of the cavity's tetrahedra from the one numbered `from` on, the deepest first. */
+/* The subsegments, the deepest first, and if asked for the subfaces, at the cavity's tetrahedra from the one
+ * numbered `from` on, that its point encroaches upon or, being beyond it, cannot be seen from: the first
+ * few of each, for the search began near the point's cause, and no more are tried. */
 static tet_status collect(refiner *r, size_t from, int subfaces) {
   const refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
@@ -120,13 +122,10 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e) {
   return refine_find_seg(r, a, b);
 }
 
-/* The subsegments, and if asked for the subfaces, at the grown cavity that its
- * point encroaches upon or, being beyond it, cannot be seen from: the first few of each, for the
- * search began near the point's cause, and no more are tried. */
-tet_status refine_collect_hits(refiner *r, int subfaces) {
+/* The first few subsegments at the grown cavity that its point encroaches upon. */
+tet_status refine_collect_segs(refiner *r) {
   r->hit_segs.n = 0;
-  if (subfaces) r->hit_subs.n = 0;
-  return collect(r, 0, subfaces);
+  return collect(r, 0, 0);
 }
 
 /* Grows the cavity of p from `tet`, and collects what p hits. That of a circumcentre far off can have most of the

@@ -297,7 +297,7 @@ int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex);
 uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e);
 tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
-tet_status refine_collect_hits(refiner *r, int subfaces);
+tet_status refine_collect_segs(refiner *r);
 tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, int hits_alone);
 tet_status refine_look_at(refiner *r, uint32_t n);
 

@@ -123,7 +123,7 @@ static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause c
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
   tet_status status = refine_cavity_of_sub(r, p, at, 0);
-  if (!status) status = refine_collect_hits(r, 0);
+  if (!status) status = refine_collect_segs(r);
   if (status) return status;
   int ok = 0, missed = 0;
   if (!r->hit_segs.n) {

@@ -171,7 +171,8 @@ static size_t fan_end(const refiner *r, uint32_t t, uint32_t a, uint32_t b, uint
  * between them points in the volume leave more over the bound than they mend. TET_NONE: there is none. */
 static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-  const uint8_t *e = refine_edge[shortest_edge(r, t)], *f = refine_edge[5 - shortest_edge(r, t)];
+  int shortest = shortest_edge(r, t);
+  const uint8_t *e = refine_edge[shortest], *f = refine_edge[5 - shortest];
   uint32_t wall = TET_NONE;
   for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4 && wall == TET_NONE; h++) wall = long_wall(r, h);
   if (wall != TET_NONE) return wall;
