@@ -146,6 +146,7 @@ typedef struct renaming {
   const uint32_t *ids;
   const double *from;
   double *to;
+  uint32_t *at; /* [n] by inner numbers: near each other where vertices are */
   uint32_t n, threads;
 } renaming;
 
@@ -163,10 +164,16 @@ static void rename_vertices(void *arg, uint32_t share) {
     if (!tet_is_live(c, t)) continue;
     for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4; h++) {
       if (c->v[h] == TET_GHOST) continue;
+      __atomic_store_n(&r->at[c->v[h]], t, __ATOMIC_RELAXED); /* one of many, whichever thread's */
       c->v[h] = r->ids[c->v[h]];
-      __atomic_store_n(&c->at[c->v[h]], t, __ATOMIC_RELAXED); /* one of many, whichever thread's */
     }
   }
+}
+
+static void rename_at(void *arg, uint32_t share) {
+  const renaming *r = arg;
+  for (uint32_t i = tet_part(r->n, r->threads, share), end = tet_part(r->n, r->threads, share + 1); i < end; i++)
+    r->c->at[r->ids[i]] = r->at[i];
 }
 
 /* Inserts round after round: the large ones by several threads, but for what these leave. */
@@ -207,8 +214,14 @@ static tet_status insert_renumbered(tet_complex *c, const uint32_t *ids, uint32_
   c->points = outer;
   c->at = at;
   tet_free(c->ctx, x);
-  if (status == TET_OK) tet_run_threads(threads, rename_vertices, &r);
-  else tet_complex_clear(c);
+  if (status == TET_OK && !(r.at = tet_alloc(c->ctx, n, sizeof *r.at))) status = tet_ctx_error(c->ctx)->status;
+  if (status == TET_OK) {
+    tet_run_threads(threads, rename_vertices, &r);
+    tet_run_threads(threads, rename_at, &r);
+  } else {
+    tet_complex_clear(c);
+  }
+  tet_free(c->ctx, r.at);
   return status;
 }
 

@@ -4,8 +4,8 @@
  * After Marot, Pellerin, Remacle (2019): a Hilbert curve is cut into chunks, and a tetrahedron is
  * the chunk's that most of its vertices lie in. A thread has a run of chunks, half an even one and the rest
  * small, and reads and changes tetrahedra of its chunks alone, the new ones included. A vertex
- * whose walk or cavity, with the tetrahedra around it, leaves them is put off: to a second pass, in
- * which the chunks are otherwise given to the threads, and what is left then to one thread.
+ * whose walk or cavity, with the tetrahedra around it, leaves them is put off: to another pass, in
+ * which the chunks are otherwise given to the threads, and what is left at last to one thread.
  * A thread that is done gets chunks which another has not begun. The tetrahedra made
  * depend on no order; their slots do. */
 #include "mesh/parallel.h"
@@ -18,12 +18,14 @@
 enum {
   CHUNKS = TET_OWNERS, /* at most */
   SCRATCH = 1024, /* most old tetrahedra and border faces of a cavity that a thread changes */
-  WORTH = 512,    /* vertices for each thread that make a second pass worth starting it */
+  WORTH = 512,    /* vertices for each thread that make another pass worth starting it */
   STEP = 16,      /* of the tetrahedra that are taken for hints */
   NEAR = 8,       /* numbers apart from the last vertex inserted, beyond which a hint is better */
   CELL = 32,      /* vertices to a cell of hints, about */
   MOST_CELLS = 128, /* to a side */
-  POLL = 256
+  POLL = 256,
+  MOST_PASSES = 4,
+  APART = 128     /* bytes that keep what two threads write off each other's cache lines */
 };
 
 _Static_assert((CHUNKS - 1) * TET_FLAG_OWNER <= TET_OWNER_BITS, "a chunk's number fits the flags");
@@ -39,6 +41,7 @@ typedef struct worker {
   uint8_t plan[CHUNKS];
   uint32_t next, end;
   tet_status status;
+  char apart[APART];
 } worker;
 
 /* Chunks on their way from one thread to another. */
@@ -240,16 +243,16 @@ static void plan_half(job *j, worker *w, uint32_t run, int large) {
   }
 }
 
-/* Gives the chunks to the threads: in the first pass to each its run, then the second half
- * of a run and the first of the next. */
+/* Gives the chunks to the threads: in the first pass and every second after it to each its run, else the
+ * second half of a run and the first of the next. */
 static void plan(job *j, int pass) {
   for (uint32_t i = 0; i < j->threads; i++) {
     worker *w = &j->worker[i];
     memset(w->view.mine, 0, sizeof w->view.mine);
     w->next = w->end = 0;
     uint32_t next = (i + 1) % j->threads;
-    plan_half(j, w, i, pass == 0 || i % 2);
-    plan_half(j, w, pass == 0 ? i : next, pass > 0 && next % 2 == 0);
+    plan_half(j, w, i, pass % 2 == 0 || i % 2);
+    plan_half(j, w, pass % 2 == 0 ? i : next, pass % 2 && next % 2 == 0);
   }
 }
 
@@ -327,7 +330,8 @@ static tet_status insert_together(job *j) {
   atomic_store(&j->pool.next, c->n_slots);
   tet_run_threads(j->threads, own, j);
   status = insert_pass(j, 0);
-  if (status == TET_OK && j->n_todo > WORTH * j->threads) status = insert_pass(j, 1);
+  for (int pass = 1; pass < MOST_PASSES && status == TET_OK && j->n_todo > WORTH * j->threads; pass++)
+    status = insert_pass(j, pass);
   c->n_slots = atomic_load(&j->pool.next);
   tet_run_threads(j->threads, disown, j);
   c->free_slot = TET_NONE;

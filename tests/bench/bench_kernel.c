@@ -2,6 +2,8 @@
 // The Delaunay kernel alone, on generated points.
 //
 //   bench_kernel FAMILY POINTS [THREADS]           CPU and wall seconds, tetrahedra, peak bytes
+//   bench_kernel FAMILY POINTS 1,2,1,2             the same with each of these numbers of threads, in one
+//                                                  process, so that memory's first touch is not measured
 //   bench_kernel FAMILY POINTS remove COUNT        the same of removing COUNT vertices
 //   bench_kernel FAMILY POINTS write FILE.f8       the points themselves, for peers
 //   bench_kernel FAMILY POINTS order FILE.u4       the random order in which vertices are removed
@@ -101,9 +103,19 @@ static int run(double *x, uint32_t n, uint32_t threads, uint32_t removals) {
   return status != TET_OK;
 }
 
+/* One run for each number of threads in the list. */
+static int run_each(double *x, uint32_t n, char *threads) {
+  int failed = 0;
+  for (char *end = threads; *threads && !failed; threads = end + (*end == ',')) {
+    failed = run(x, n, (uint32_t)strtoul(threads, &end, 10), 0);
+    failed |= end == threads || (*end && *end != ',');
+  }
+  return failed;
+}
+
 int main(int argc, char **argv) {
   if (argc < 3) {
-    fprintf(stderr, "usage: bench_kernel FAMILY POINTS [THREADS | remove COUNT | write FILE | order FILE]\n");
+    fprintf(stderr, "usage: bench_kernel FAMILY POINTS [THREADS[,THREADS...] | remove COUNT | write FILE | order FILE]\n");
     return 2;
   }
   uint32_t n;
@@ -117,7 +129,8 @@ int main(int argc, char **argv) {
   uint32_t *order = NULL;
   if (!strcmp(verb, "write")) failed = write_file(what, x, 3 * sizeof *x, n);
   else if (!strcmp(verb, "order")) failed = !(order = random_order(n)) || write_file(what, order, sizeof *order, n);
-  else failed = run(x, n, argc == 4 ? (uint32_t)strtoul(argv[3], NULL, 10) : 1, (uint32_t)strtoul(what, NULL, 10));
+  else if (argc == 4) failed = run_each(x, n, argv[3]);
+  else failed = run(x, n, 1, (uint32_t)strtoul(what, NULL, 10));
   free(order);
   free(x);
   return failed;
