@@ -2,7 +2,7 @@
 // The first look of the kernel's hot loops at a sign: one evaluation in doubles and a
 // bound from the lengths of the difference vectors, which costs half of what the
 // majorant of filter.h costs and is as sharp on well-shaped and badly scaled tetrahedra.
-// Internal to this folder and to core/mesh.
+// Internal to this folder, to core/mesh and to core/refine.
 //
 // Rows a, b, c of a determinant of three have a permanent of absolute values of at most
 // sqrt(2) |a| |b| |c| (Cauchy and Schwarz, twice). So the majorant M of insphere, with

@@ -170,11 +170,11 @@ int refine_is_border(const refiner *r, uint32_t h) {
 
 /* Rounding can put p a last bit to the right side of a face that lies in its own
  * facet or contains its segment: such a face does not see p. */
-static int sees(const refiner *r, uint32_t h) {
+static int sees(const refiner *r, uint32_t h, int is_positive) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)(h >> 2);
   const uint8_t *f = tet_face[h & 3];
   uint32_t w[4] = {r->cavity.p, v[f[0]], v[f[1]], v[f[2]]};
-  if (tet_orient3d(&r->points, w[0], w[1], w[2], w[3]) <= 0) return 0;
+  if (!is_positive && tet_orient3d(&r->points, w[0], w[1], w[2], w[3]) <= 0) return 0;
   return r->out->origin[w[0]] == TET_ORIGIN_VOLUME || !refine_is_flat(r, w);
 }
 
@@ -195,7 +195,7 @@ tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_
       if (!refine_is_border(r, h)) continue;
       if (refine_sub_at(r, h) == TET_NONE && tet_complex_conflict(m, m->adj[h] >> 2, p))
         status = add_tet(r, m->adj[h] >> 2, 0);
-      else if (!sees(r, h))
+      else if (!sees(r, h, 0))
         return TET_OK;
     }
   *ret_ok = 1;
@@ -207,9 +207,12 @@ tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_
 static int trim_pass(refiner *r, tet_status *ret_status) {
   tet_complex *m = &r->mesh;
   int changed = 0;
+  *ret_status = refine_measure_border(r);
+  if (*ret_status) return -1;
   for (size_t k = 0; k < m->n_border; k++) {
     uint32_t h = m->border[k].inner, t = h >> 2;
-    if (!(m->flag[t] & TET_FLAG_CAVITY) || !refine_is_border(r, h) || sees(r, h)) continue;
+    if (changed && (!(m->flag[t] & TET_FLAG_CAVITY) || !refine_is_border(r, h))) continue;
+    if (sees(r, h, r->cavity.shapes[k / 4].is_positive >> k % 4 & 1)) continue;
     if (r->cavity.restar) return -1;
     changed = 1;
     if (!(m->flag[t] & FLAG_NEEDED)) {

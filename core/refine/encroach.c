@@ -85,6 +85,9 @@ static void deepest_first(refiner *r) {
   hits->at[best] = first;
 }
 
+/* 1 if tetrahedron t has subfaces or subsegments: few do. */
+static inline int has_sides(const refiner *r, uint32_t t) { return r->mesh.wall[t] || r->tet_edges[t] & EDGES; }
+
 /* The subsegments, the deepest first, and if asked for the subfaces, at the cavity's tetrahedra from the one
  * numbered `from` on, that its point encroaches upon or, being beyond it, cannot be seen from: the first
  * few of each, for the search began near the point's cause, and no more are tried. */
@@ -93,6 +96,7 @@ static tet_status collect(refiner *r, size_t from, int subfaces) {
   tet_status status = TET_OK;
   for (size_t k = from; k < r->mesh.n_cavity && r->hit_segs.n < MOST_TRIED && !status; k++) {
     uint32_t t = r->mesh.cavity[k];
+    if (!has_sides(r, t)) continue;
     const uint32_t *v = r->mesh.v + 4 * (size_t)t;
     for (int e = 0; e < 6 && r->tet_edges[t] & EDGES && !status; e++) {
       uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
@@ -153,13 +157,27 @@ static tet_status queue_hit_segs(refiner *r, uint32_t n) {
   return status;
 }
 
-/* Queues what the new tetrahedron n leaves to do: itself, and subsegments and
- * subfaces at it. */
-tet_status refine_look_at(refiner *r, uint32_t n) {
+/* Queues the subsegments and subfaces at the new tetrahedron n that are encroached. */
+static tet_status look_around(refiner *r, uint32_t n) {
+  if (!has_sides(r, n)) return TET_OK;
   tet_status status = r->tet_edges[n] & EDGES ? queue_hit_segs(r, n) : TET_OK;
   for (uint32_t h = 4 * n; h < 4 * n + 4 && !status; h++) {
     uint32_t s = refine_sub_at(r, h);
     if (s != TET_NONE && refine_sub_hit_by(r, s, r->mesh.v[h])) status = refine_queue_sub(r, s);
   }
+  return status;
+}
+
+/* Queues what the new tetrahedron n leaves to do: itself, and subsegments and
+ * subfaces at it. */
+tet_status refine_look_at(refiner *r, uint32_t n) {
+  tet_status status = look_around(r, n);
   return status ? status : refine_queue_tet(r, n);
+}
+
+/* The same for all that the last fill made. */
+tet_status refine_look_at_made(refiner *r) {
+  tet_status status = TET_OK;
+  for (uint32_t k = 0; k < r->cavity.n_made && !status; k++) status = look_around(r, r->mesh.cavity[k]);
+  return status ? status : refine_queue_made(r);
 }

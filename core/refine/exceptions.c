@@ -57,7 +57,7 @@ static tet_status find(refiner *r, listing *over, listing *slivers) {
     if (!refine_alive(r, t)) continue;
     if (r->tet_edges[t] & TET_QUEUED) {
       refine_measure(r, t, &shape);
-      if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, &shape)) status = note(r, over, t, row);
+      if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, shape.volume6)) status = note(r, over, t, row);
     }
     if (!status && (all || r->tet_edges[t] & TET_QUEUED) && refine_is_sliver(r, t)) status = note(r, slivers, t, row);
     if (!status && (t & 4095) == 0) status = tet_poll(r->ctx);

@@ -7,13 +7,13 @@
 
 #include <math.h>
 
-/* Room for rounding between us and whoever measures again. */
-static const double slack = 1 + 1e-10;
-
 static inline double least(double a, double b) { return a < b ? a : b; }
 
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret) {
-  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  refine_measure_corners(r, r->mesh.v + 4 * (size_t)t, ret);
+}
+
+void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret) {
   const double *o = refine_x(r, v[0]);
   double a[3], b[3], c[3], bc[3], ca[3], ab[3], e[3];
   tet_minus(refine_x(r, v[1]), o, a);
@@ -46,11 +46,11 @@ double refine_radius_edge(const refine_shape *s) {
 /* Compared without a division; what is flat is over. */
 int refine_over_ratio(const refiner *r, const refine_shape *s) {
   double reach = 2 * s->volume6 * r->o.radius_edge;
-  return !(s->volume6 > 0 && tet_square(s->to_centre) <= reach * reach * s->shortest2 * slack);
+  return !(s->volume6 > 0 && tet_square(s->to_centre) <= reach * reach * s->shortest2 * REFINE_SLACK);
 }
 
-int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s) {
-  return s->volume6 > 6 * r->max_volume[r->tet_region[t]] * slack;
+int refine_over_volume(const refiner *r, uint32_t t, double volume6) {
+  return volume6 > 6 * r->max_volume[r->tet_region[t]] * REFINE_SLACK;
 }
 
 /* Squared cosine of the smallest dihedral angle, 1 for a flat tetrahedron: by the normals of
@@ -82,7 +82,7 @@ int refine_is_sliver(const refiner *r, uint32_t t) { return 1 - refine_sharpest(
 tet_status refine_set_bounds(refiner *r) {
   const tet_pieces *p = r->out;
   double sine = tet_sine_of_degrees(r->o.min_dihedral);
-  r->sliver_sine2 = sine * sine / slack;
+  r->sliver_sine2 = sine * sine / REFINE_SLACK;
   r->max_volume = tet_alloc(r->ctx, p->n_regions, sizeof *r->max_volume);
   if (!r->max_volume && p->n_regions) return TET_E_MEMORY;
   for (uint32_t i = 0; i < p->n_regions; i++) {

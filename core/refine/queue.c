@@ -129,10 +129,9 @@ static inline uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shap
 /* The bucket of t if it is over a bound, else BUCKETS: over the ratio, by the order; over the volume
  * alone, as R3.2 waits for R3.1: large ones first, by powers of two, which keeps what is split next
  * close by. Slivers (3.4.2) come last, the sharpest first. */
-static inline uint32_t bucket_of(const refiner *r, uint32_t t, refine_shape *ret_shape) {
-  refine_measure(r, t, ret_shape);
-  if (refine_over_ratio(r, ret_shape)) return ratio_key(r, t, ret_shape);
-  if (refine_over_volume(r, t, ret_shape)) return 2 * KEYS - 1 - (key_of(ret_shape->volume6) >> FINE << FINE);
+static inline uint32_t bucket_of(const refiner *r, uint32_t t, const refine_shape *shape) {
+  if (refine_over_ratio(r, shape)) return ratio_key(r, t, shape);
+  if (refine_over_volume(r, t, shape->volume6)) return 2 * KEYS - 1 - (key_of(shape->volume6) >> FINE << FINE);
   if (!r->watch_slivers) return BUCKETS;
   double sine2 = 1 - refine_sharpest(r, t);
   return sine2 < r->sliver_sine2 ? 2 * KEYS + quarter_of(sine2) : BUCKETS;
@@ -175,14 +174,34 @@ static int pop(refine_buckets *q, uint32_t *ret_bucket, uint32_t *ret_tet) {
   return 1;
 }
 
+static tet_status queue_shaped(refiner *r, uint32_t t, const refine_shape *shape) {
+  uint32_t b = bucket_of(r, t, shape);
+  if (b == BUCKETS) return TET_OK;
+  r->tet_edges[t] |= TET_QUEUED;
+  return push(r, b, t);
+}
+
 /* Queues tetrahedron t if it is over a bound. */
 tet_status refine_queue_tet(refiner *r, uint32_t t) {
   if (!r->watch_tets) return TET_OK;
   refine_shape shape;
-  uint32_t b = bucket_of(r, t, &shape);
-  if (b == BUCKETS) return TET_OK;
-  r->tet_edges[t] |= TET_QUEUED;
-  return push(r, b, t);
+  refine_measure(r, t, &shape);
+  return queue_shaped(r, t, &shape);
+}
+
+/* The same of all that the last fill made, which were measured before. */
+tet_status refine_queue_made(refiner *r) {
+  const refine_cavity *c = &r->cavity;
+  tet_status status = TET_OK;
+  for (uint32_t k = 0; k < c->n_made && r->watch_tets && !status; k++) {
+    const refine_shapes *s = &c->shapes[k / 4];
+    uint32_t lane = k % 4, t = r->mesh.cavity[k];
+    if (!(s->is_over >> lane & 1) && !r->watch_slivers && !refine_over_volume(r, t, s->volume6[lane])) continue;
+    refine_shape shape = {{s->to_centre[0][lane], s->to_centre[1][lane], s->to_centre[2][lane]},
+                          s->volume6[lane], s->shortest2[lane]};
+    status = queue_shaped(r, t, &shape);
+  }
+  return status;
 }
 
 /* Entries are numbers alone: one whose slot has another tetrahedron by now tells by that
@@ -190,7 +209,9 @@ tet_status refine_queue_tet(refiner *r, uint32_t t) {
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver) {
   uint32_t b, t;
   while (pop(&r->bad, &b, &t)) {
-    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || bucket_of(r, t, ret_shape) != b) continue;
+    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED)) continue;
+    refine_measure(r, t, ret_shape);
+    if (bucket_of(r, t, ret_shape) != b) continue;
     if (r->round_start && b == r->n_rounds) r->round_start[r->n_rounds++] = r->points.n;
     *ret_tet = t;
     *ret_sliver = b >= 2 * KEYS;

@@ -107,6 +107,13 @@ typedef struct refine_spoke {
 } refine_spoke;
 
 /* What a candidate p would retriangulate, and how, beside mesh.cavity and mesh.border. */
+/* Four tetrahedra between the new point and the border, lane by lane as refine_shape. */
+typedef struct refine_shapes {
+  double to_centre[3][4], volume6[4], shortest2[4];
+  uint8_t is_over;     /* bit i: lane i is over the radius-edge bound */
+  uint8_t is_positive; /* bit i: lane i is positive for certain; else that is not known */
+} refine_shapes;
+
 typedef struct refine_cavity {
   uint32_t p;            /* vertex, the last one */
   uint32_t segment;      /* subsegment being split, or TET_NONE */
@@ -124,7 +131,8 @@ typedef struct refine_cavity {
   refine_carry *carry;   /* [border] */
   refine_spoke *spoke;
   uint32_t n_spokes;
-  size_t cap_carry, cap_spoke;
+  refine_shapes *shapes; /* [border / 4] of the border as last trimmed */
+  size_t cap_carry, cap_spoke, cap_shapes;
 } refine_cavity;
 
 typedef struct refiner {
@@ -300,25 +308,31 @@ int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_segs(refiner *r);
 tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, int hits_alone);
 tet_status refine_look_at(refiner *r, uint32_t n);
+tet_status refine_look_at_made(refiner *r);
 
 /* pick.c */
 double refine_chance(const refiner *r, uint32_t k);
 void refine_pick(const refiner *r, double shortest2, double x[3]);
 
 /* quality.c */
+#define REFINE_SLACK (1 + 1e-10) /* room for rounding between us and whoever measures again */
 typedef struct refine_shape {
   double to_centre[3]; /* from the first vertex to the circumcentre, times 2 volume6 */
   double volume6;      /* six times the volume */
   double shortest2;    /* squared length of the shortest edge */
 } refine_shape;
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
+void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret);
 void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, uint32_t t);
 int refine_is_sliver(const refiner *r, uint32_t t);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
-int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
+int refine_over_volume(const refiner *r, uint32_t t, double volume6);
 tet_status refine_set_bounds(refiner *r);
+
+/* shapes.c */
+tet_status refine_measure_border(refiner *r);
 
 /* queue.c */
 tet_status refine_queue_seg(refiner *r, uint32_t e);
@@ -326,6 +340,7 @@ tet_status refine_queue_sub(refiner *r, uint32_t s);
 int refine_next_seg(refiner *r, uint32_t *ret_seg);
 int refine_next_sub(refiner *r, uint32_t *ret_sub);
 tet_status refine_queue_tet(refiner *r, uint32_t t);
+tet_status refine_queue_made(refiner *r);
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver);
 tet_status refine_open_queue(refiner *r);
 

@@ -304,7 +304,6 @@ static int is_delaunay(const refiner *r, uint32_t h) {
 /* Triangulates the surroundings of vertex p, a corner of t, anew from p, if that
  * makes all of them locally Delaunay. */
 static tet_status restar(refiner *r, uint32_t p, uint32_t t, int *ret_ok) {
-  refine_cavity *c = &r->cavity;
   tet_status status = refine_cavity_of_star(r, p, t, ret_ok);
   if (!status && *ret_ok) status = refine_cavity_trim(r, ret_ok);
   if (status) return status;
@@ -313,7 +312,7 @@ static tet_status restar(refiner *r, uint32_t p, uint32_t t, int *ret_ok) {
     return TET_OK;
   }
   status = refine_fill(r);
-  for (uint32_t k = 0; k < c->n_made && !status; k++) status = refine_look_at(r, r->mesh.cavity[k]);
+  if (!status) status = refine_look_at_made(r);
   r->result.repair_flips++;
   return status;
 }

@@ -22,7 +22,7 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
   if (status || !*ret_ok) return status;
   r->exact = r->exact && refine_cavity_is_exact(r);
   status = refine_fill(r);
-  for (uint32_t k = 0; k < c->n_made && !status; k++) status = refine_look_at(r, r->mesh.cavity[k]);
+  if (!status) status = refine_look_at_made(r);
   for (uint32_t k = 0; k < 4 * c->n_made && c->reshaped && !status; k++) {
     uint32_t h = 4 * r->mesh.cavity[k / 4] + k % 4;
     if (r->mesh.v[h] == c->p || r->mesh.adj[h] > h) status = refine_push(r, &r->suspects, h);

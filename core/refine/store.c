@@ -180,7 +180,7 @@ void refine_release(refiner *r) {
                  r->seg_tet, r->seg_waiting, r->seg_table, r->segment_sharp, r->segment_sine, r->facet_thin, r->segment_end,
                  r->vertex_facet_start, r->vertex_facet, r->segment_facet_start, r->segment_facet, r->facet_vertex_start,
                  r->facet_vertex, r->facet_plane, c->removed.at, c->subs.at, c->rim.at,
-                 c->rim_new.at, c->vertices.at, c->carry, c->spoke, r->hit_segs.at, r->hit_subs.at, r->star.at,
+                 c->rim_new.at, c->vertices.at, c->carry, c->spoke, c->shapes, r->hit_segs.at, r->hit_subs.at, r->star.at,
                  r->suspects.at, r->stuck.at, r->seg_queue, r->sub_queue, r->bad.head, r->bad.used, r->bad.chunk, r->max_volume,
                  r->sharp_at, r->round_start};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);

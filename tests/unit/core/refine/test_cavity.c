@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Cavities of single points, through the refiner's own functions. */
+#include "exact/predicates.h"
 #include "refine/refiner.h"
 #include "solids.h"
 
@@ -20,9 +21,8 @@ static uint32_t count_border_vertices(const refiner *r) {
   return n;
 }
 
-/* What the rules looked at before, as the facet's vertices alone, does not stay in the list. */
-static void a_facet_points_cavity_lists_all_its_vertices(void **state) {
-  (void)state;
+/* Trims the cavity of the centre of each subface of a bipyramid, and calls `check`. */
+static void each_facet_cavity(void (*check)(const refiner *r)) {
   static const double unturned[2] = {0, 0};
   tet_ctx *ctx;
   solid s;
@@ -45,7 +45,7 @@ static void a_facet_points_cavity_lists_all_its_vertices(void **state) {
     r.cavity.loses_vertex = 1; /* of some cavity before */
     assert_int_equal(refine_cavity_trim(&r, &ok), TET_OK);
     assert_true(ok);
-    assert_int_equal(r.cavity.vertices.n, count_border_vertices(&r));
+    check(&r);
     refine_cavity_clear(&r);
     refine_drop_point(&r);
   }
@@ -56,7 +56,36 @@ static void a_facet_points_cavity_lists_all_its_vertices(void **state) {
   tet_ctx_free(ctx);
 }
 
+static void check_vertices(const refiner *r) { assert_int_equal(r->cavity.vertices.n, count_border_vertices(r)); }
+
+/* What the rules looked at before, as the facet's vertices alone, does not stay in the list. */
+static void a_facet_points_cavity_lists_all_its_vertices(void **state) {
+  (void)state;
+  each_facet_cavity(check_vertices);
+}
+
+static void check_lanes(const refiner *r) {
+  for (size_t k = 0; k < r->mesh.n_border; k++) {
+    const uint32_t *v = r->mesh.border[k].v;
+    const refine_shapes *of = &r->cavity.shapes[k / 4];
+    size_t lane = k % 4;
+    refine_shape s;
+    refine_measure_corners(r, v, &s);
+    for (int i = 0; i < 3; i++) assert_memory_equal(&of->to_centre[i][lane], &s.to_centre[i], sizeof s.volume6);
+    assert_memory_equal(&of->volume6[lane], &s.volume6, sizeof s.volume6);
+    assert_memory_equal(&of->shortest2[lane], &s.shortest2, sizeof s.shortest2);
+    assert_int_equal(of->is_over >> lane & 1, refine_over_ratio(r, &s));
+    if (of->is_positive >> lane & 1) assert_true(tet_orient3d(&r->points, v[0], v[1], v[2], v[3]) > 0);
+  }
+}
+
+static void four_at_a_time_are_measured_as_one(void **state) {
+  (void)state;
+  each_facet_cavity(check_lanes);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_facet_points_cavity_lists_all_its_vertices)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_facet_points_cavity_lists_all_its_vertices),
+                                     cmocka_unit_test(four_at_a_time_are_measured_as_one)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
