@@ -20,11 +20,6 @@ static int in_wedge(const tet_points *p, uint32_t s, uint32_t a, uint32_t b, uin
   return tet_orient2d(p, axis, s, a, q) * turn >= 0 && tet_orient2d(p, axis, s, q, b) * turn >= 0;
 }
 
-/* 1: q lies in the closed cone from s through a, b, c; (s, a, b, c) is positive. */
-static int in_cone(const tet_points *p, uint32_t s, uint32_t a, uint32_t b, uint32_t c, uint32_t q) {
-  return tet_orient3d(p, s, q, b, c) >= 0 && tet_orient3d(p, s, a, q, c) >= 0 && tet_orient3d(p, s, a, b, q) >= 0;
-}
-
 /* Common edge st: t has a, b beside it, f has q. (s, t, a, b) is positive. */
 static int proper_at_edge(const tet_points *p, uint32_t s, uint32_t t, uint32_t a, uint32_t b, uint32_t q) {
   return tet_orient3d(p, s, t, a, q) < 0 || tet_orient3d(p, s, t, q, b) < 0;
@@ -32,10 +27,18 @@ static int proper_at_edge(const tet_points *p, uint32_t s, uint32_t t, uint32_t 
 
 /* Common vertex s: t has a[3] beside it, (s, a0, a1, a2) positive; f has b, c. */
 static int proper_at_vertex(const tet_points *p, uint32_t s, const uint32_t a[3], uint32_t b, uint32_t c) {
-  if (in_cone(p, s, a[0], a[1], a[2], b) || in_cone(p, s, a[0], a[1], a[2], c)) return 0;
-  int side[3];
+  int in_b = 1, in_c = 1, side[3];
   for (int i = 0; i < 3; i++) {
-    side[i] = tet_orient3d(p, s, b, c, a[i]);
+    uint32_t x = a[i], y = a[(i + 1) % 3];
+    int at_b = tet_orient3d(p, s, x, y, b), at_c = tet_orient3d(p, s, x, y, c);
+    if (at_b < 0 && at_c < 0) return 1; /* that face's plane parts the two */
+    in_b &= at_b >= 0;
+    in_c &= at_c >= 0;
+  }
+  if (in_b || in_c) return 0;
+  for (int i = 0; i < 3; i++) side[i] = tet_orient3d(p, s, b, c, a[i]);
+  if (side[0] && side[0] == side[1] && side[1] == side[2]) return 1;
+  for (int i = 0; i < 3; i++) {
     if (side[i] == 0 && in_wedge(p, s, b, c, a[i])) return 0;
   }
   for (int i = 0; i < 3; i++) { /* a face of the cone and the wedge cross in a ray */
@@ -84,9 +87,19 @@ static int segment_meets_triangle(const tet_points *p, uint32_t a, uint32_t b, c
 
 /* No common vertex. */
 static int disjoint(const tet_points *p, const uint32_t t[4], const uint32_t f[3]) {
-  int inside = 1;
-  for (int i = 0; i < 4; i++) inside &= tet_orient3d(p, t[tet_face[i][0]], t[tet_face[i][1]], t[tet_face[i][2]], f[0]) <= 0;
+  int inside = 1, behind = 0, before = 0;
+  for (int i = 0; i < 4; i++) {
+    int out = 0;
+    for (int j = 0; j < 3 && out == j; j++)
+      out += tet_orient3d(p, t[tet_face[i][0]], t[tet_face[i][1]], t[tet_face[i][2]], f[j]) > 0;
+    if (out == 3) return 1; /* that face's plane parts the two */
+    inside &= out == 0;
+    int side = tet_orient3d(p, f[0], f[1], f[2], t[i]);
+    behind += side < 0;
+    before += side > 0;
+  }
   if (inside) return 0;
+  if (behind == 4 || before == 4) return 1;
   for (int i = 0; i < 4; i++) {
     uint32_t g[3] = {t[tet_face[i][0]], t[tet_face[i][1]], t[tet_face[i][2]]};
     for (int j = 0; j < 3; j++)
