@@ -13,7 +13,8 @@
 /* Tetrahedra between nearly coplanar facets that are flatter than this part of the
  * box's diagonal are broken up: a build is begun again with break points so many times for
  * them, and in all for them and where rounding fails. Where there is nothing to break,
- * it is begun again with other Steiner points. */
+ * it is begun again with other Steiner points. Interior faces nearer to facets than that are parted
+ * from them in the end. */
 static const double THIN = 2e-9;
 enum { MOST_ROUNDS = 8, MOST_THIN_ROUNDS = 3, MOST_ATTEMPTS = 8 };
 /* Degeneracies are removed again so many times after segments were recovered. */
@@ -94,7 +95,7 @@ static void count_surface(tet_state *st, tet_build_result *r) {
 /* Regions: parts, rounding, seeds; into r->pieces. With *ret_thin there are thin
  * tetrahedra to break up first, and r->pieces is not complete. */
 static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_t *face_tri, tet_breaks *breaks,
-                              double thin, tet_build_result *r, size_t *ret_thin) {
+                              double diagonal, double thin, tet_build_result *r, size_t *ret_thin) {
   uint32_t *part = NULL, *tri = NULL, n_parts = 0;
   tet_stage_begin(st->ctx, "regions");
   tet_status status = tet_find_parts(st, face_tri, o->keep_hull, &part, &n_parts);
@@ -106,6 +107,7 @@ static tet_status find_domain(tet_state *st, const tet_build_options *o, uint32_
     status = tet_find_thin(st->ctx, &st->surface, &st->points, &r->pieces, tri, thin, breaks, ret_thin);
   int done = status == TET_OK && !*ret_thin;
   if (done) status = tet_apply_seeds(st->ctx, st->pls, o->keep_hull, n_parts, &r->pieces, tri);
+  if (done && status == TET_OK) status = tet_part_squeezed(st, &r->pieces, &tri, THIN * diagonal, diagonal);
   if (done && status == TET_OK) status = tet_extract_constraints(st, tri, &r->pieces);
   if (done && status == TET_OK) tet_stage_counts(st->ctx, r->pieces.n_points, r->pieces.n_tets);
   tet_free(st->ctx, part);
@@ -159,7 +161,7 @@ static tet_status build_cdt(tet_state *st, const tet_build_options *o, tet_break
     status = tet_recover_facets(st, &face_tri);
     if (status == TET_OK) tet_stage_counts(st->ctx, st->points.n, st->complex.n_live);
   }
-  if (status == TET_OK) status = find_domain(st, o, face_tri, breaks, thin * diagonal, r, ret_thin);
+  if (status == TET_OK) status = find_domain(st, o, face_tri, breaks, diagonal, thin * diagonal, r, ret_thin);
   tet_free(st->ctx, face_tri);
   return status;
 }

@@ -8,6 +8,7 @@
  * four vertices or, where these are Steiner points, one between ends of their lines. It goes to the
  * middle of a segment that it would encroach upon. What is random comes from the vertices'
  * numbers. Where a break point goes is chosen in doubles; whether it breaks is then tested exactly. */
+#include "base/triangle.h"
 #include "build/cdt2d.h"
 #include "build/state.h"
 
@@ -117,22 +118,13 @@ static tet_status enqueue_fan(removal *r, uint32_t h) {
   return status;
 }
 
-/* The circumcentre of triangle 0uw. */
-static void find_centre(const double u[3], const double w[3], double ret[3]) {
-  double n[3], wn[3], nu[3];
-  tet_cross(u, w, n);
-  tet_cross(w, n, wn);
-  tet_cross(n, u, nu);
-  for (int k = 0; k < 3; k++) ret[k] = (tet_dot(u, u) * wn[k] + tet_dot(w, w) * nu[k]) / (2 * tet_dot(n, n));
-}
-
 static quad look_at(const removal *r, uint32_t h) {
   const tet_surface *s = &r->st->surface;
   uint32_t g = s->tri_adj[h];
   quad q = {h, {s->tri[h], s->tri[tet_prev3(g)], s->tri[tet_next3(h)], s->tri[tet_prev3(h)]},
             &s->patch[s->tri_patch[h / 3]], {{0}}, {0}, 0};
   for (int i = 0; i < 4; i++) tet_minus(at(r, q.v[i]), at(r, q.v[0]), q.x[i]);
-  find_centre(q.x[2], q.x[3], q.centre);
+  tet_triangle_centre(q.x[2], q.x[3], q.centre);
   q.longest = sqrt(fmax(tet_square(q.x[2]), tet_distance2(q.x[1], q.x[3])));
   return q;
 }

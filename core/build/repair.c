@@ -253,21 +253,19 @@ static tet_status flip_all(repair *r, const tet_surface *surface) {
   return status;
 }
 
-/* Closes the gaps that 3-2 flips left. */
-static void compact(repair *r) {
-  tet_pieces *p = r->p;
+void tet_close_gaps(tet_pieces *p, uint32_t *tri) {
   for (uint32_t t = 0; t < p->n_tets;) {
-    if (!repair_is_dead(r, t)) {
+    if (p->tets[4 * (size_t)t] != TET_NONE) {
       t++;
       continue;
     }
     uint32_t last = --p->n_tets;
-    if (last == t || repair_is_dead(r, last)) continue;
+    if (last == t || p->tets[4 * (size_t)last] == TET_NONE) continue;
     for (uint32_t i = 0; i < 4; i++) {
       uint32_t g = p->adj[4 * (size_t)last + i];
       p->tets[4 * (size_t)t + i] = p->tets[4 * (size_t)last + i];
       p->adj[4 * (size_t)t + i] = g;
-      (*r->tri)[4 * (size_t)t + i] = (*r->tri)[4 * (size_t)last + i];
+      tri[4 * (size_t)t + i] = tri[4 * (size_t)last + i];
       if (g != TET_NONE) p->adj[g] = 4 * t + i;
     }
     p->region[t] = p->region[last];
@@ -416,7 +414,7 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
   if (status == TET_OK) status = list_patches(&r, surface);
   if (status == TET_OK) status = flip_and_mend(&r);
-  compact(&r);
+  tet_close_gaps(p, *tri);
   if (status == TET_OK) status = verify(&r, breaks);
   counts->rounding_flips = r.flips + r.refills;
   counts->rounding_moves = r.moves;

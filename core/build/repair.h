@@ -16,4 +16,7 @@
 tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points *exact, tet_pieces *p,
                       uint32_t **tri, tet_breaks *breaks, tet_counts *counts);
 
+/* Drops the tetrahedra whose first vertex is TET_NONE: the last ones take their places. */
+void tet_close_gaps(tet_pieces *p, uint32_t *tri);
+
 #endif

@@ -106,6 +106,12 @@ tet_status tet_find_parts(tet_state *st, const uint32_t *face_tri, int keep_hull
 tet_status tet_extract_tetrahedra(tet_state *st, const uint32_t *face_tri, const uint32_t *part,
                                   tet_pieces *pieces, uint32_t **ret_tri);
 
+/* Adds Steiner points in the volume to the rounded `pieces`, so that interior faces lie nearer to the facets than
+ * `least` only where the domain is as thin; stays a CDT. No point is farther from what it is for than `diagonal`.
+ * *tri ([n_tets][4], may move) is kept. Fills squeezed_points. About constant for each tetrahedron, and for each
+ * point its cavity. */
+tet_status tet_part_squeezed(tet_state *st, tet_pieces *p, uint32_t **tri, double least, double diagonal);
+
 /* Takes the holes out of `pieces` and `tri`, and makes the region table (A.1.2). */
 tet_status tet_apply_seeds(tet_ctx *ctx, const tet_pls *pls, int keep_hull, uint32_t n_parts,
                            tet_pieces *pieces, uint32_t *tri);

@@ -3,8 +3,10 @@
  *
  * Where facets meet at almost 180 degrees, the CDT may hold a tetrahedron on
  * them whose other faces lie on them as well, but for far less than any size
- * that matters. It is exact, and useless. A Steiner point on the common segment,
- * where the tetrahedron's opposite edge passes, takes that edge out of the Delaunay
+ * that matters. It is exact, and useless. Where the facets' own triangulation, were they one
+ * plane, would rather have the tetrahedron's other edge, its sphere is mostly outside, and
+ * nothing inside the domain helps (else squeezed.c does): a Steiner point on the common segment,
+ * where the opposite edge passes, takes that edge out of the Delaunay
  * tetrahedralization. These are break points like those of thesis 5.5, chosen for
  * what is nearly degenerate; only lengths decide, in doubles. */
 #include "build/thin.h"
@@ -16,7 +18,7 @@
 
 /* A tetrahedron is squeezed where its thickness is less than this part of its edges; those in the
  * tip of a sharp corner are not, however small. */
-static const double SQUEEZED = 1e-6;
+static const double SQUEEZED = 1e-2;
 
 static double length(const double *points, uint32_t a, uint32_t b) {
   double v[3];
@@ -80,6 +82,23 @@ void tet_breaks_sort(tet_breaks *breaks) {
   breaks->n = n;
 }
 
+/* 1: the angles at d and e over edge xy are more than 180 degrees together: were xyd and xye flat, their
+ * Delaunay triangulation would have de. */
+static int is_outside(const double *points, const uint32_t xy[2], uint32_t d, uint32_t e) {
+  const double *x = points + 3 * (size_t)xy[0], *y = points + 3 * (size_t)xy[1];
+  const uint32_t apex[2] = {d, e};
+  double cosine[2], sine[2];
+  for (int k = 0; k < 2; k++) {
+    double u[3], v[3], n[3];
+    tet_minus(x, points + 3 * (size_t)apex[k], u);
+    tet_minus(y, points + 3 * (size_t)apex[k], v);
+    tet_cross(u, v, n);
+    cosine[k] = tet_dot(u, v);
+    sine[k] = sqrt(tet_square(n));
+  }
+  return sine[0] * cosine[1] + cosine[0] * sine[1] < 0;
+}
+
 /* If face i of tetrahedron t is a subface, its edge that is not at vertex j a subsegment, and t is
  * squeezed flat between this edge and the opposite one, sets *ret to the place to break and returns 1. */
 static int must_break(const tet_surface *s, const tet_points *exact, const tet_pieces *p, const uint32_t *tri,
@@ -94,6 +113,7 @@ static int must_break(const tet_surface *s, const tet_points *exact, const tet_p
   if (sub == TET_NONE) return 0;
   least = fmin(least, SQUEEZED * fmin(length(p->points, xy[0], xy[1]), length(p->points, d, e)));
   if (s->segment[s->subseg_segment[sub]].crease && least > 0) least = fmax(least, 4 * s->planarity); /* as thick as the facet */
+  if (!is_outside(p->points, xy, d, e)) return 0;
   double gap = least;
   tet_break_consider(s, exact, p->points, sub, xy[0], xy[1], d, e, ret, &gap);
   return gap < least;

@@ -260,7 +260,6 @@ tet_status refine_find_sharp(refiner *r);
 tet_status refine_lfs(refiner *r);
 void refine_shepard(const refiner *r, uint32_t p, const refine_list *neighbours, double *ret_size,
                     double *ret_sharp);
-double refine_edge_distance2(const double *a, const double *b, const double *x);
 int refine_needs_sizes(const refiner *r);
 int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause);
 int refine_is_thin(const refiner *r, uint32_t p);

@@ -6,6 +6,7 @@
  * the neighbours at new ones; never an exact lfs there. */
 #include "base/hilbert.h"
 #include "base/sort.h"
+#include "base/triangle.h"
 #include "base/vector.h"
 #include "refine/refiner.h"
 
@@ -86,53 +87,6 @@ static double box_distance2(const double box[6], const double *x) {
   return sum;
 }
 
-/* Squared distance of x from the edge ab. */
-double refine_edge_distance2(const double *a, const double *b, const double *x) {
-  double e2 = 0, ex = 0, sum = 0;
-  for (int i = 0; i < 3; i++) {
-    e2 += (b[i] - a[i]) * (b[i] - a[i]);
-    ex += (b[i] - a[i]) * (x[i] - a[i]);
-  }
-  double t = e2 > 0 ? ex / e2 : 0;
-  t = t < 0 ? 0 : t > 1 ? 1 : t;
-  for (int i = 0; i < 3; i++) {
-    double d = x[i] - a[i] - t * (b[i] - a[i]);
-    sum += d * d;
-  }
-  return sum;
-}
-
-/* Squared distance of x from a triangle: its plane if x is above it, else edges. */
-static double triangle_distance2(const double *a, const double *b, const double *c, const double *x) {
-  const double *corner[3] = {a, b, c};
-  double n[3], n2 = 0, height = 0;
-  for (int i = 0; i < 3; i++) {
-    int j = (i + 1) % 3, k = (i + 2) % 3;
-    n[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
-    n2 += n[i] * n[i];
-  }
-  int above = n2 > 0;
-  for (int s = 0; s < 3 && above; s++) {
-    const double *p = corner[s], *q = corner[(s + 1) % 3];
-    double side = 0;
-    for (int i = 0; i < 3; i++) {
-      int j = (i + 1) % 3, k = (i + 2) % 3;
-      side += n[i] * ((q[j] - p[j]) * (x[k] - p[k]) - (q[k] - p[k]) * (x[j] - p[j]));
-    }
-    above = side >= 0;
-  }
-  if (above) {
-    for (int i = 0; i < 3; i++) height += n[i] * (x[i] - a[i]);
-    return height * height / n2;
-  }
-  double least = INFINITY;
-  for (int s = 0; s < 3; s++) {
-    double d = refine_edge_distance2(corner[s], corner[(s + 1) % 3], x);
-    if (d < least) least = d;
-  }
-  return least;
-}
-
 /* The least of `least` and the squared distances of vertex v from what does not meet it: the subface's
  * facet, or if that does the subsegments at it; or the loose subsegment. */
 static double element_distance2(const refiner *r, uint64_t id, uint32_t v, double least) {
@@ -140,16 +94,16 @@ static double element_distance2(const refiner *r, uint64_t id, uint32_t v, doubl
   uint32_t w[3];
   element_corners(r, id, w);
   if (id >= r->n_subs) {
-    double d = refine_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
+    double d = tet_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
     return d < least && !refine_on_segment(r, v, r->seg_of[id - r->n_subs]) ? d : least;
   }
-  double d = triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
+  double d = tet_triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
   if (!(d < least)) return least;
   if (!refine_on_facet(r, v, r->patch[r->sub_patch[id]].facet)) return d;
   for (int j = 0; j < 3; j++) {
     uint32_t e = r->sub_seg[3 * id + (unsigned)j];
     if (e == TET_NONE || refine_on_segment(r, v, r->seg_of[e])) continue;
-    d = refine_edge_distance2(refine_x(r, w[j]), refine_x(r, w[(j + 1) % 3]), x);
+    d = tet_edge_distance2(refine_x(r, w[j]), refine_x(r, w[(j + 1) % 3]), x);
     if (d < least) least = d;
   }
   return least;
@@ -316,7 +270,7 @@ int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n) {
     for (int e = 0; e < 6 && r->tet_edges[t] & EDGES; e++) {
       if (!(r->tet_edges[t] >> e & 1)) continue;
       uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-      if (!(refine_edge_distance2(refine_x(r, a), refine_x(r, b), x) < room)) continue;
+      if (!(tet_edge_distance2(refine_x(r, a), refine_x(r, b), x) < room)) continue;
       uint32_t other = r->seg_of[refine_find_seg(r, a, b)];
       if (own == TET_NONE || (other != own && refine_segments_meet(r, own, other))) return reject(r, vertices, n);
     }
@@ -324,7 +278,7 @@ int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
       if (s == TET_NONE) continue;
       const uint32_t *w = r->sub_v + 3 * (size_t)s;
-      if (triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < wide &&
+      if (tet_triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x) < wide &&
           is_neighbour(r, c->p, r->patch[r->sub_patch[s]].facet))
         return reject(r, vertices, n);
     }

@@ -5,6 +5,7 @@
  * as far from the vertex as the segment's point is. */
 #include "refine/refiner.h"
 
+#include "base/triangle.h"
 #include "base/vector.h"
 
 #include <math.h>
@@ -56,23 +57,13 @@ static void into_plane(const refiner *r, const refine_patch *plane, double x[3])
 static int centre_of(const refiner *r, uint32_t s, double c[3]) {
   const uint32_t *v = r->sub_v + 3 * (size_t)s;
   const double *o = refine_x(r, v[0]);
-  double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0;
-  for (int i = 0; i < 3; i++) {
-    p[i] = refine_x(r, v[1])[i] - o[i];
-    q[i] = refine_x(r, v[2])[i] - o[i];
-    pp += p[i] * p[i];
-    qq += q[i] * q[i];
-  }
-  for (int i = 0; i < 3; i++) {
-    n[i] = p[(i + 1) % 3] * q[(i + 2) % 3] - p[(i + 2) % 3] * q[(i + 1) % 3];
-    nn += n[i] * n[i];
-  }
-  if (!(nn > 0)) return 0;
-  double w[3];
-  for (int i = 0; i < 3; i++) w[i] = pp * q[i] - qq * p[i];
-  for (int i = 0; i < 3; i++)
-    c[i] = o[i] + (w[(i + 1) % 3] * n[(i + 2) % 3] - w[(i + 2) % 3] * n[(i + 1) % 3]) / (2 * nn);
-  refine_pick(r, fmin(fmin(pp, qq), pp + qq - 2 * (p[0] * q[0] + p[1] * q[1] + p[2] * q[2])), c);
+  double p[3], q[3];
+  tet_minus(refine_x(r, v[1]), o, p);
+  tet_minus(refine_x(r, v[2]), o, q);
+  if (!(tet_triangle_centre(p, q, c) > 0)) return 0;
+  for (int i = 0; i < 3; i++) c[i] = o[i] + c[i];
+  double pp = tet_square(p), qq = tet_square(q);
+  refine_pick(r, fmin(fmin(pp, qq), pp + qq - 2 * tet_dot(p, q)), c);
   into_plane(r, &r->patch[r->sub_patch[s]], c);
   return 1;
 }

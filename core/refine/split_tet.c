@@ -8,6 +8,7 @@
  * it as it is. */
 #include "refine/refiner.h"
 
+#include "base/triangle.h"
 #include "base/vector.h"
 #include "exact/predicates.h"
 
@@ -118,24 +119,14 @@ static void face_centre(const refiner *r, uint32_t t, double x[3]) {
   double most = 0;
   for (int f = 0; f < 4; f++) {
     const double *c[3];
-    double p[3], q[3], n[3], pp = 0, qq = 0, nn = 0;
+    double p[3], q[3], centre[3];
     for (int j = 0; j < 3; j++) c[j] = refine_x(r, r->mesh.v[4 * (size_t)t + tet_face[f][j]]);
-    for (int i = 0; i < 3; i++) {
-      p[i] = c[1][i] - c[0][i];
-      q[i] = c[2][i] - c[0][i];
-      pp += p[i] * p[i];
-      qq += q[i] * q[i];
-    }
-    for (int i = 0; i < 3; i++) {
-      n[i] = p[(i + 1) % 3] * q[(i + 2) % 3] - p[(i + 2) % 3] * q[(i + 1) % 3];
-      nn += n[i] * n[i];
-    }
+    tet_minus(c[1], c[0], p);
+    tet_minus(c[2], c[0], q);
+    double nn = tet_triangle_centre(p, q, centre);
     if (!(nn > most)) continue;
     most = nn;
-    for (int i = 0; i < 3; i++) {
-      int j = (i + 1) % 3, k = (i + 2) % 3;
-      x[i] = c[0][i] + ((pp * q[j] - qq * p[j]) * n[k] - (pp * q[k] - qq * p[k]) * n[j]) / (2 * nn);
-    }
+    for (int i = 0; i < 3; i++) x[i] = c[0][i] + centre[i];
   }
 }
 

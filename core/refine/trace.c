@@ -5,6 +5,7 @@
  * follows Theorem 4.2.3. */
 #include "refine/refiner.h"
 
+#include "base/triangle.h"
 #include "base/vector.h"
 
 #include <math.h>
@@ -35,7 +36,7 @@ static double distance(const refiner *r, uint32_t t, uint32_t e) {
   const double *a = refine_x(r, r->seg_v[2 * (size_t)e]), *b = refine_x(r, r->seg_v[2 * (size_t)e + 1]);
   for (int i = 0; i < 2; i++) size = fmax(size, r->o.alpha2 * r->size[r->seg_v[2 * (size_t)e + i]]);
   for (size_t i = 4 * (size_t)t; i < 4 * (size_t)t + 4; i++)
-    corner2 = fmin(corner2, refine_edge_distance2(a, b, refine_x(r, r->mesh.v[i])));
+    corner2 = fmin(corner2, tet_edge_distance2(a, b, refine_x(r, r->mesh.v[i])));
   return corner2 > 0 ? sqrt(corner2) * r->segment_sine[r->seg_of[e]] / size : 0;
 }
 

@@ -49,6 +49,7 @@ static json_t *counts_json(const tet_mesh *m) {
   set_count(o, "cavities", c->cavities);
   set_count(o, "rounding_flips", c->rounding_flips);
   set_count(o, "rounding_moves", c->rounding_moves);
+  set_count(o, "squeezed_points", c->squeezed_points);
   set_count(o, "refine_segment_points", c->refine_segment_points);
   set_count(o, "refine_facet_points", c->refine_facet_points);
   set_count(o, "refine_volume_points", c->refine_volume_points);

@@ -344,6 +344,7 @@ static void print_report(const job *j, const tet_mesh *m) {
   if (j->options.break_points)
     printf(",\"break_points\":%llu,\"degeneracies_left\":%llu", (unsigned long long)c->break_points,
            (unsigned long long)c->degeneracies_left);
+  printf(",\"squeezed\":%llu", (unsigned long long)c->squeezed_points);
   printf(",\"steiner\":%llu,\"cavities\":%llu,\"flips\":%llu,\"moves\":%llu", (unsigned long long)c->segment_steiner_points,
          (unsigned long long)c->cavities, (unsigned long long)c->rounding_flips, (unsigned long long)c->rounding_moves);
   printf(",\"refined\":[%llu,%llu,%llu]", (unsigned long long)c->refine_segment_points,

@@ -115,6 +115,7 @@ typedef struct tet_counts {
                                                cocircular still, when facets were recovered */
   uint64_t missing_subfaces, cavities;
   uint64_t rounding_flips, rounding_moves;
+  uint64_t squeezed_points; /* in the volume of the CDT, for faces that lay on facets as near as matters */
   uint64_t refine_segment_points, refine_facet_points, refine_volume_points;
   uint64_t first_slivers, sliver_points; /* before their removal; of the points above, those that it inserted */
   uint64_t sliver_budget; /* as many at most, about: where sliver_points reached it, slivers were given up */

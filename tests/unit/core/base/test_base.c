@@ -14,6 +14,7 @@
 #include "base/hilbert.h"
 #include "base/sort.h"
 #include "base/threads.h"
+#include "base/triangle.h"
 
 #ifndef __has_feature
 #define __has_feature(name) 0
@@ -312,11 +313,32 @@ static void stages_gather(void **state) {
   tet_ctx_free(ctx);
 }
 
+/* Of the right-angled triangle of sides 3 and 4. */
+static void triangles_are_measured(void **state) {
+  (void)state;
+  const double a[3] = {0, 0, 0}, b[3] = {3, 0, 0}, c[3] = {0, 4, 0};
+  const struct {
+    double x[3], d2;
+  } at[] = {{{1, 1, 0}, 0},   {{1, 1, 2}, 4},  {{-1, 1, 2}, 5},   {{1, -3, 0}, 9},
+            {{5, 0, 1}, 5},   {{0, 6, -1}, 5}, {{-3, -4, 0}, 25}, {{1.5 + 4, 2 + 3, 0}, 25}};
+  for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
+    assert_float_equal(tet_triangle_distance2(a, b, c, at[i].x), at[i].d2, 1e-12);
+    assert_float_equal(tet_triangle_distance2(c, b, a, at[i].x), at[i].d2, 1e-12);
+    assert_float_equal(tet_triangle_distance2(a, c, c, at[i].x), tet_edge_distance2(a, c, at[i].x), 1e-12); /* flat */
+  }
+  double centre[3] = {7, 7, 7};
+  assert_float_equal(tet_triangle_centre(b, c, centre), 144, 0);
+  assert_true(centre[0] == 1.5 && centre[1] == 2 && centre[2] == 0);
+  assert_float_equal(tet_triangle_centre(b, b, centre), 0, 0);
+  assert_true(centre[0] == 1.5);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sorts),          cmocka_unit_test(radix_sorts), cmocka_unit_test(threads_take_every_part_once),
       cmocka_unit_test(hilbert_keys_agree), cmocka_unit_test(large_blocks_keep_what_they_hold), cmocka_unit_test(address_space_may_be_short),
       cmocka_unit_test(hilbert_steps_are_short), cmocka_unit_test(budget_holds),
-      cmocka_unit_test(cancel_and_deadline), cmocka_unit_test(offenders_are_capped), cmocka_unit_test(stages_gather)};
+      cmocka_unit_test(cancel_and_deadline), cmocka_unit_test(offenders_are_capped), cmocka_unit_test(stages_gather),
+      cmocka_unit_test(triangles_are_measured)};
   return cmocka_run_group_tests_name("base", tests, NULL, NULL);
 }
