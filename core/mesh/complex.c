@@ -86,16 +86,15 @@ void tet_complex_delete(tet_complex *c, uint32_t t) {
 }
 
 int tet_complex_take_block(tet_complex *c, size_t n) {
-  enum { BLOCK = 1024 };
-  if (!c->pool || n > BLOCK) return 0;
-  uint32_t next = atomic_fetch_add_explicit(&c->pool->next, BLOCK, memory_order_relaxed);
-  if (next > c->pool->end || c->pool->end - next < BLOCK) {
-    atomic_fetch_sub_explicit(&c->pool->next, BLOCK, memory_order_relaxed);
+  if (!c->pool || n > c->pool->block) return 0;
+  uint32_t block = c->pool->block, next = atomic_fetch_add_explicit(&c->pool->next, block, memory_order_relaxed);
+  if (next > c->pool->end || c->pool->end - next < block) {
+    atomic_fetch_sub_explicit(&c->pool->next, block, memory_order_relaxed);
     return 0;
   }
   tet_complex_give_up(c);
   c->n_slots = next;
-  c->cap_slots = next + BLOCK;
+  c->cap_slots = next + block;
   return 1;
 }
 

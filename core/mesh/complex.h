@@ -57,7 +57,7 @@ typedef struct tet_star_map {
 /* Slots that several threads share: those from `next` on, below `end`, are nobody's yet. */
 typedef struct tet_slot_pool {
   _Atomic uint32_t next;
-  uint32_t end;
+  uint32_t end, block; /* the latter: how many a thread takes at a time */
 } tet_slot_pool;
 
 typedef struct tet_complex {

@@ -25,6 +25,8 @@ enum {
   MOST_CELLS = 128, /* to a side */
   POLL = 256,
   MOST_PASSES = 4,
+  LEAST_BLOCK = 1 << 10, /* slots that a thread takes at a time: */
+  MOST_BLOCK = 1 << 15,  /* so many that threads seldom touch new memory side by side */
   APART = 128     /* bytes that keep what two threads write off each other's cache lines */
 };
 
@@ -364,9 +366,11 @@ static tet_status make_hints(job *j, uint32_t n_vertices) {
 
 tet_status tet_insert_round(tet_complex *c, const tet_rounds *rounds, uint32_t threads) {
   uint32_t first = rounds->start[rounds->n - 1], end = rounds->start[rounds->n];
-  job j = {.c = c, .rounds = rounds, .threads = threads, .per_thread = CHUNKS / threads};
-  /* as many slots a vertex as so far, and some */
-  tet_status status = tet_complex_reserve(c, (uint64_t)c->n_slots * end / first / 64 * 65 + 4096 * threads);
+  job j = {.c = c, .rounds = rounds, .threads = threads, .per_thread = CHUNKS / threads,
+           .pool = {.block = LEAST_BLOCK}};
+  uint64_t slots = (uint64_t)c->n_slots * end / first; /* as many a vertex as so far */
+  while (j.pool.block < MOST_BLOCK && 256 * (uint64_t)j.pool.block * threads < slots) j.pool.block *= 2;
+  tet_status status = tet_complex_reserve(c, slots / 64 * 65 + 2 * (uint64_t)j.pool.block * threads);
   if (status == TET_OK) status = make_hints(&j, end);
   if (status != TET_OK) return status;
   j.chunk_of = tet_alloc(c->ctx, first, 1);
