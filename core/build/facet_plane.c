@@ -203,6 +203,15 @@ static double measure_deviation(const tet_facet_work *w, uint32_t n_own, const d
   return most * scale;
 }
 
+/* Makes n orthogonal to the facet's longest direction: the normal of a needle is noise along it, and that
+ * times its length no deviation. */
+static void straighten(const tet_facet_work *w, const uint32_t t[3], double n[3]) {
+  double u[3];
+  difference(w->s, t[0], t[1], w->scale, u);
+  double share = tet_dot(n, u) / tet_dot(u, u);
+  for (int k = 0; k < 3; k++) n[k] -= share * u[k];
+}
+
 void tet_facet_plane(tet_facet_work *w, int *ret_area) {
   const tet_points *points = w->s->points;
   uint32_t *t = w->span, n_own = w->n; /* vertices that join lie on it; foreign ones come later */
@@ -224,6 +233,7 @@ void tet_facet_plane(tet_facet_work *w, int *ret_area) {
   }
   if (largest_loop(w, n) == TET_NONE) tet_soup_normal(w->s, t[0], t[1], t[2], n);
   int axis[3];
+  straighten(w, t, n);
   sort_axes(n, axis);
   w->axis = axis[0];
   w->deviation = measure_deviation(w, n_own, n);

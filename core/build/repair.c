@@ -367,6 +367,34 @@ static tet_status break_at(const repair *r, uint32_t t, uint8_t *taken, tet_brea
   return tet_breaks_add(r->ctx, breaks, &best);
 }
 
+/* 1: face h is a subface that rounding has turned over, or made flat, in its facet's projection. */
+static int is_folded(const repair *r, uint32_t h) {
+  const uint32_t *t = r->p->tets + (h & ~(size_t)3);
+  uint32_t k = tri_at(r, h), a = t[tet_face[h & 3][0]], b = t[tet_face[h & 3][1]], c = t[tet_face[h & 3][2]];
+  if (k == TET_NONE) return 0;
+  uint32_t first = r->exact.first_implicit;
+  if (a < first && b < first && c < first) return 0;
+  const uint32_t *v = r->surface->tri + 3 * (size_t)k; /* counter-clockwise, in the same plane */
+  int axis = r->surface->patch[r->surface->tri_patch[k]].axis;
+  int turn = -tet_orient3d(&r->exact, v[0], v[1], v[2], t[h & 3]);
+  if (!turn) turn = tet_orient2d(&r->exact, axis, a, b, c);
+  return tet_orient2d_xyz(axis, repair_at(r, a), repair_at(r, b), repair_at(r, c)) != turn;
+}
+
+static tet_status verify_subfaces(const repair *r) {
+  uint64_t n = 0;
+  const double *place_of = NULL;
+  for (uint32_t h = 0; h < 4 * r->p->n_tets; h++) {
+    if (!is_folded(r, h)) continue;
+    n++;
+    place_of = repair_at(r, r->p->tets[(h & ~3U) + tet_face[h & 3][0]]);
+  }
+  if (!n) return TET_OK;
+  return tet_fail(r->ctx, TET_E_ROUNDING,
+                  "facets closer than doubles hold: rounding turns %llu sides of subfaces over, near (%.17g, %.17g, %.17g)",
+                  (unsigned long long)n, place_of[0], place_of[1], place_of[2]);
+}
+
 /* What is left, if anything is. */
 static tet_status verify(const repair *r, tet_breaks *breaks) {
   uint64_t n = 0;
@@ -380,7 +408,8 @@ static tet_status verify(const repair *r, tet_breaks *breaks) {
     status = taken ? break_at(r, t, taken, breaks) : tet_ctx_error(r->ctx)->status;
   }
   tet_free(r->ctx, taken);
-  if (!n || status != TET_OK) return status;
+  if (!n && status == TET_OK) return verify_subfaces(r);
+  if (status != TET_OK) return status;
   tet_breaks_sort(breaks);
   return tet_fail(r->ctx, TET_E_ROUNDING,
                   "facets closer than doubles hold: rounding leaves %llu tetrahedra inverted or not locally Delaunay, "

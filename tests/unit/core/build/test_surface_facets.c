@@ -293,6 +293,24 @@ static void declared_segment_is_kept(void **state) {
   assert_true(seen);
 }
 
+/* A slanted needle that rounding has bent is as far out of plane as rounding goes, not as its normal, noise
+ * in doubles, goes along its length. */
+static void needle_out_of_plane(void **state) {
+  fixture *f = *state;
+  const double thin = 0x1p-38;
+  for (int k = 0; k < 20; k++) {
+    const double along[3] = {(k + 1) / 3.0, (k + 2) / 7.0, 2 / 3.0}, o = 3.0 * k;
+    const double across[3] = {thin * (k + 2) / 7, -thin * (k + 1) / 3, thin * k / 9};
+    uint32_t v = pls_point(f->b, o, 0, 0);
+    pls_point(f->b, o + along[0], along[1], along[2]);
+    pls_point(f->b, o + (along[0] + across[0]), along[1] + across[1], along[2] + across[2]);
+    pls_point(f->b, o + across[0], across[1], across[2]);
+    pls_quad(f->b, 0, v, v + 1, v + 2, v + 3);
+  }
+  built(f);
+  assert_true(f->s.planarity > 0 && f->s.planarity < 1e-14);
+}
+
 /* Many cocircular points: ties everywhere, and the result depends on indices alone. */
 static void grid_of_points(void **state) {
   fixture *f = *state;
@@ -318,6 +336,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(degenerate_polygons, setup, teardown),
       cmocka_unit_test_setup_teardown(crossing_itself, setup, teardown),
       cmocka_unit_test_setup_teardown(out_of_plane, setup, teardown),
+      cmocka_unit_test_setup_teardown(needle_out_of_plane, setup, teardown),
       cmocka_unit_test_setup_teardown(merged_fan, setup, teardown),
       cmocka_unit_test_setup_teardown(merged_by_an_angle, setup, teardown),
       cmocka_unit_test_setup_teardown(declared_segment_is_kept, setup, teardown),
