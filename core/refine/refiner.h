@@ -312,13 +312,15 @@ typedef struct refine_shape {
   double shortest2;    /* squared length of the shortest edge */
 } refine_shape;
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
-void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, uint32_t t);
 int refine_is_sliver(const refiner *r, uint32_t t);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
 int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
 tet_status refine_set_bounds(refiner *r);
+
+/* centre.c */
+void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 
 /* queue.c */
 tet_status refine_queue_seg(refiner *r, uint32_t e);
