@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* quality.c: circumcentre, radius-edge ratio and volume of a tetrahedron
+/* quality.c: radius-edge ratio, volume and dihedral angles of a tetrahedron
  * (3.2.1). In doubles: no combinatorial decision is taken here. */
 #include "refine/refiner.h"
 
@@ -32,11 +32,6 @@ void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape 
   ret->shortest2 = least(s, tet_square(e));
   ret->volume6 = tet_dot(a, bc);
   for (int i = 0; i < 3; i++) ret->to_centre[i] = aa * bc[i] + bb * ca[i] + cc * ab[i];
-}
-
-void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]) {
-  const double *o = refine_x(r, r->mesh.v[4 * (size_t)t]);
-  for (int i = 0; i < 3; i++) ret[i] = o[i] + s->to_centre[i] / (2 * s->volume6);
 }
 
 double refine_radius_edge(const refine_shape *s) {

@@ -138,6 +138,32 @@ static tet_status run(refiner *r) {
   return status;
 }
 
+/* From pieces to where rules can be applied. */
+static tet_status begin(refiner *r) {
+  tet_status status = refine_load(r);
+  if (!status) status = refine_open_queue(r);
+  if (!status) status = refine_set_bounds(r);
+  if (!status) status = refine_find_sharp(r);
+  return status ? status : refine_lfs(r);
+}
+
+/* Refines; and where that ends with faces that are not Delaunay, once more from the start, strictly. A split that
+ * leaves such faces is healed as a rule by those that it asks for, and being strict from the start would leave more over
+ * the bounds; but between facets that all but touch protecting balls reject these, and there is
+ * no constrained Delaunay tetrahedralization then. */
+static tet_status refine(refiner *r, tet_pieces *copy) {
+  tet_status status = begin(r);
+  if (!status && r->n_wedges) status = refine_copy(r, copy);
+  if (!status) status = run(r);
+  if (status || !r->n_wedges || !r->result.n_not_delaunay) return status;
+  refiner again = {.ctx = r->ctx, .o = r->o, .out = r->out, .strict = 1};
+  refine_release(r);
+  *r = again;
+  refine_restore(r, copy);
+  status = begin(r);
+  return status ? status : run(r);
+}
+
 tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options *options,
                       tet_refine_result *ret) {
   if (!(options->radius_edge >= 1) || !(options->max_volume >= 0) ||
@@ -147,12 +173,9 @@ tet_status tet_refine(tet_ctx *ctx, tet_pieces *pieces, const tet_refine_options
   if ((int)options->order < TET_INSERT_O2_O1 || options->order > TET_INSERT_RELATIVELY_SHORT)
     return tet_fail(ctx, TET_E_ARGUMENT, "there is no insertion order %d", (int)options->order);
   refiner r = {.ctx = ctx, .o = *options, .out = pieces};
-  tet_status status = refine_load(&r);
-  if (!status) status = refine_open_queue(&r);
-  if (!status) status = refine_set_bounds(&r);
-  if (!status) status = refine_find_sharp(&r);
-  if (!status) status = refine_lfs(&r);
-  if (!status) status = run(&r);
+  tet_pieces copy = {0};
+  tet_status status = refine(&r, &copy);
+  tet_pieces_free(ctx, &copy);
   if (!status) status = refine_list_exceptions(&r);
   if (!status) status = refine_check_gabriel(&r);
   if (!status) status = refine_unload(&r);

@@ -198,6 +198,7 @@ typedef struct refiner {
   int watch_tets;      /* 1: R3 has begun */
   int watch_slivers;   /* 1: slivers are removed */
   int exact;           /* 1: facets are flat and segments straight to the last bit, every cavity was its conflict region */
+  int strict;          /* 1: no cavity is filled that leaves a face that is not locally Delaunay */
   int forcing;         /* 1: a face cannot be Delaunay: no ball protects, no gap is too narrow */
   int picking;         /* 1: a sliver is being split: points go near where others would */
   int tracing;         /* 1: nothing is inserted; who rejects is noted */
@@ -242,6 +243,8 @@ tet_status refine_new_seg(refiner *r, uint32_t *ret_seg);
 tet_status refine_add_point(refiner *r, const double x[3], tet_origin origin, uint32_t carrier);
 void refine_drop_point(refiner *r);
 tet_status refine_unload(refiner *r);
+tet_status refine_copy(refiner *r, tet_pieces *ret);
+void refine_restore(refiner *r, tet_pieces *copy);
 void refine_release(refiner *r);
 
 /* load.c */
@@ -292,6 +295,7 @@ int refine_facet_cavity_trim(refiner *r);
 void refine_facet_cavity_least(refiner *r);
 tet_status refine_facet_cavity_rim(refiner *r);
 tet_status refine_cavity_is_sound(refiner *r, int *ret_ok);
+int refine_cavity_is_delaunay(const refiner *r);
 tet_status refine_fill(refiner *r);
 void refine_hang(refiner *r, uint32_t sub, uint32_t h);
 void refine_take_sub(refiner *r, uint32_t s, uint32_t was, uint32_t h);
@@ -322,7 +326,6 @@ typedef struct refine_shape {
 } refine_shape;
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
 void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret);
-void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, uint32_t t);
 int refine_is_sliver(const refiner *r, uint32_t t);
@@ -332,6 +335,9 @@ tet_status refine_set_bounds(refiner *r);
 
 /* shapes.c */
 tet_status refine_measure_border(refiner *r);
+
+/* centre.c */
+void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 
 /* queue.c */
 tet_status refine_queue_seg(refiner *r, uint32_t e);

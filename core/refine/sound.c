@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* sound.c: whether a trimmed cavity of a point in facets can be filled: its rim a star in
- * each patch, its border parted by the rim. Decides by incidence; changes nothing. */
+ * each patch, its border parted by the rim. Decides by incidence; changes nothing. And whether
+ * what fills a trimmed cavity is constrained Delaunay. */
 #include "refine/refiner.h"
 
 /* The rim edge ab of replaced subface s, or TET_NONE. */
@@ -16,16 +17,19 @@ static uint32_t rim_edge(const refiner *r, uint32_t s, uint32_t a, uint32_t b) {
 }
 
 /* Turns from border face h through the cavity around the edge of h without its k-th
- * vertex (0 to 2), to the next border face or the domain's boundary, and over at most
- * one rim edge, *ret_rim. 0 if the cavity is folded there. */
-static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_rim) {
+ * vertex (0 to 2), to the next border face, *ret_end, or the domain's boundary, TET_NONE, and over at
+ * most one rim edge, *ret_rim. 0 if the cavity is folded there. */
+static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_rim, uint32_t *ret_end) {
   uint32_t t = h >> 2, i = h & 3, j = tet_face[i][k], apex = r->mesh.v[4 * (size_t)t + i];
   uint32_t a = r->mesh.v[4 * (size_t)t + tet_face[i][(k + 1) % 3]];
   uint32_t b = r->mesh.v[4 * (size_t)t + tet_face[i][(k + 2) % 3]];
-  *ret_rim = TET_NONE;
+  *ret_rim = *ret_end = TET_NONE;
   for (;;) {
-    size_t exit = 4 * (size_t)t + j;
-    if (refine_is_border(r, (uint32_t)exit)) return 1;
+    uint32_t exit = 4 * t + j;
+    if (refine_is_border(r, exit)) {
+      *ret_end = exit;
+      return 1;
+    }
     if (refine_sub_at(r, exit) != TET_NONE) {
       if (*ret_rim != TET_NONE) return 0;
       *ret_rim = rim_edge(r, refine_sub_at(r, exit), a, b);
@@ -62,11 +66,34 @@ tet_status refine_cavity_is_sound(refiner *r, int *ret_ok) {
   }
   for (size_t q = 0; q < r->mesh.n_border && *ret_ok && !status; q++)
     for (uint32_t k = 0; k < 3 && *ret_ok; k++) {
-      uint32_t rim;
-      *ret_ok = turn(r, r->mesh.border[q].inner, k, &rim);
+      uint32_t rim, end;
+      *ret_ok = turn(r, r->mesh.border[q].inner, k, &rim, &end);
       if (*ret_ok && rim != TET_NONE) c->rim_new.at[rim]++;
     }
   for (uint32_t k = 0; k < c->rim.n && *ret_ok && !status; k++) *ret_ok = c->rim_new.at[k] > 0;
   c->rim_new.n = 0;
   return status;
+}
+
+/* 1 if every face that filling the trimmed cavity makes, but for subfaces, is locally Delaunay: its border, beyond which
+ * tetrahedra in conflict can be left, and what its tetrahedra share. */
+int refine_cavity_is_delaunay(const refiner *r) {
+  const tet_complex *m = &r->mesh;
+  for (size_t q = 0; q < m->n_border; q++) {
+    const tet_border *b = &m->border[q];
+    uint32_t t = b->inner >> 2;
+    const uint8_t *f = tet_face[b->inner & 3];
+    if (refine_sub_at(r, b->inner) == TET_NONE && tet_complex_conflict(m, b->outer >> 2, r->cavity.p)) return 0;
+    for (uint32_t k = 0; k < 3; k++) {
+      uint32_t rim, end;
+      if (!turn(r, b->inner, k, &rim, &end)) return 0;
+      if (rim != TET_NONE || end == TET_NONE) continue;
+      const uint32_t *v = m->v + 4 * (size_t)(end >> 2);
+      const uint8_t *g = tet_face[end & 3];
+      uint32_t apex = v[g[0]] ^ v[g[1]] ^ v[g[2]]; /* of the two that they share, and this */
+      for (uint32_t j = 1; j < 3; j++) apex ^= m->v[4 * (size_t)t + f[(k + j) % 3]];
+      if (tet_insphere_sos(&r->points, b->v[0], b->v[1], b->v[2], b->v[3], apex) > 0) return 0;
+    }
+  }
+  return 1;
 }

@@ -11,28 +11,66 @@
 #include <math.h>
 #include <string.h>
 
+/* Beside the point of a segment that stands so low on the facet that the edge right below it, from vertex `end`, and
+ * the segment are over the bound: x aside of the point's foot, nearly as far as the point is high, on the side where subface
+ * s has no such corner yet, and has more of itself. With one on either side no subface there is encroached upon by the
+ * point, nor the segment by these, and all are as far apart as that can be. 0: s has a corner on either side, or is
+ * elsewhere. Not for sharp segments: about these balls end what has no end. */
+static int aside(const refiner *r, uint32_t s, uint32_t end, const double foot[3], double height, double x[3]) {
+  static const double share = 0.95, room = 0.25;
+  const double *o = refine_x(r, end);
+  double across[3], place[2][3], far[2] = {-1, -1}, length = sqrt(tet_square(foot));
+  int taken[2] = {0, 0}, has_end = 0;
+  tet_cross(r->patch[r->sub_patch[s]].normal, foot, across);
+  for (int side = 0; side < 2; side++)
+    for (int i = 0; i < 3; i++)
+      place[side][i] = o[i] + foot[i] + (side ? -share : share) * height / length * across[i];
+  for (int j = 0; j < 3; j++) {
+    uint32_t v = r->sub_v[3 * (size_t)s + j];
+    double d[3];
+    has_end |= v == end;
+    if (v == end) continue;
+    tet_minus(refine_x(r, v), o, d);
+    double turn = tet_dot(d, across) / sqrt(tet_square(d));
+    for (int side = 0; side < 2; side++) {
+      far[side] = fmax(far[side], side ? -turn : turn);
+      taken[side] |= tet_distance2(refine_x(r, v), place[side]) < room * room * height * height;
+    }
+  }
+  int side = far[1] > far[0];
+  if (taken[side]) side = !side;
+  if (taken[side] || !(has_end || taken[!side])) return 0;
+  memcpy(x, place[side], sizeof place[side]);
+  return 1;
+}
+
 /* Where subface s, encroached by a Steiner point of a segment that ends at one of its corners and
- * is not in its facet, is cut: as far from that corner as the point is, and nearest to it. By no
+ * is not in its facet, is cut: as far from that corner as the point is, and nearest to it, or aside of there. By no
  * subface with that edge is the point encroached upon again, where a centre would have the
  * segment split, and its half encroach upon a smaller subface, without end. 0: it is not so. */
 static int opposite(const refiner *r, uint32_t s, double x[3]) {
+  static const double more = 1.2; /* of the bound: a tetrahedron's ratio is that of a face, and more */
   const refine_patch *plane = &r->patch[r->sub_patch[s]];
   for (int side = 0; side < 2; side++) {
     uint32_t h = r->sub_side[2 * (size_t)s + side], by = h == TET_NONE ? TET_NONE : r->mesh.v[h];
     if (by == TET_NONE || r->out->origin[by] != TET_ORIGIN_SEGMENT || !refine_sub_hit_by(r, s, by) ||
         refine_on_facet(r, by, plane->facet)) continue;
     const tet_segment *segment = &r->out->segment[r->out->carrier[by]];
-    for (int j = 0; j < 3; j++) {
-      uint32_t end = r->sub_v[3 * (size_t)s + j];
-      if (end != segment->a && end != segment->b) continue;
-      double d[3], along[3], off = 0, far = 0.1 * r->size[end];
+    for (int j = 0; j < 2; j++) {
+      uint32_t end = j ? segment->b : segment->a;
+      if (!refine_on_facet(r, end, plane->facet)) continue;
+      double d[3], foot[3], off = 0, far = 0.1 * r->size[end];
       tet_minus(refine_x(r, by), refine_x(r, end), d);
       if (tet_square(d) > far * far) continue; /* it is not without end yet */
       for (int i = 0; i < 3; i++) off += d[i] * plane->normal[i];
-      for (int i = 0; i < 3; i++) along[i] = d[i] - off * plane->normal[i];
-      double share = sqrt(tet_square(d) / tet_square(along));
+      for (int i = 0; i < 3; i++) foot[i] = d[i] - off * plane->normal[i];
+      double share = sqrt(tet_square(d) / tet_square(foot));
       if (!(share < 2)) continue; /* above 60 degrees nothing loops */
-      for (int i = 0; i < 3; i++) x[i] = refine_x(r, end)[i] + share * along[i];
+      int is_low = 2 * fabs(off) * r->o.radius_edge < more * sqrt(tet_square(d));
+      if (is_low && !r->segment_sharp[r->out->carrier[by]] && aside(r, s, end, foot, fabs(off), x)) return 1;
+      const uint32_t *v = r->sub_v + 3 * (size_t)s;
+      if (v[0] != end && v[1] != end && v[2] != end) continue;
+      for (int i = 0; i < 3; i++) x[i] = refine_x(r, end)[i] + share * foot[i];
       return 1;
     }
   }

@@ -7,7 +7,7 @@
 #include <math.h>
 
 /* Retriangulates the grown cavity; *ret_ok = 0, nothing changed, if it cannot be
- * made visible without a loss. */
+ * made visible without a loss, or, where that counts, not constrained Delaunay. */
 tet_status refine_insert(refiner *r, int *ret_ok) {
   refine_cavity *c = &r->cavity;
   *ret_ok = 0;
@@ -20,6 +20,10 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
     if (!status) status = refine_cavity_trim(r, ret_ok);
   }
   if (status || !*ret_ok) return status;
+  if (r->strict && !r->forcing && !refine_cavity_is_delaunay(r)) {
+    *ret_ok = 0;
+    return TET_OK;
+  }
   r->exact = r->exact && refine_cavity_is_exact(r);
   status = refine_fill(r);
   if (!status) status = refine_look_at_made(r);

@@ -3,7 +3,6 @@
  * back into pieces. Freed slots are chained and used again; no geometry here. */
 #include "refine/refiner.h"
 
-
 const uint8_t refine_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 const uint8_t refine_edge_of[4][4] = {{9, 0, 1, 2}, {0, 9, 3, 4}, {1, 3, 9, 5}, {2, 4, 5, 9}};
 
@@ -170,6 +169,54 @@ tet_status refine_unload(refiner *r) {
   p->cap_points = p->cap_origin = p->cap_carrier = p->n_points;
   r->sub_v = r->mesh.v = r->mesh.adj = r->tet_region = r->seg_v = r->seg_of = NULL;
   return TET_OK;
+}
+
+static void *duplicate(refiner *r, const void *from, size_t n, size_t size) {
+  void *to = tet_alloc(r->ctx, n, size);
+  if (to && n) memcpy(to, from, n * size);
+  return to;
+}
+
+/* Copies what refinement changes of the pieces, as loaded: all slots are in use. */
+tet_status refine_copy(refiner *r, tet_pieces *ret) {
+  const tet_pieces *p = r->out;
+  size_t n = r->points.n, t = r->mesh.n_slots, s = r->n_subs, e = r->n_segs;
+  *ret = (tet_pieces){.n_points = (uint32_t)n, .n_tets = (uint32_t)t, .n_subfaces = (uint32_t)s, .n_subsegs = (uint32_t)e};
+  ret->cap_points = 3 * n;
+  ret->cap_origin = ret->cap_carrier = n;
+  ret->points = duplicate(r, p->points, 3 * n, sizeof *ret->points);
+  ret->origin = duplicate(r, p->origin, n, 1);
+  ret->carrier = duplicate(r, p->carrier, n, sizeof *ret->carrier);
+  ret->tets = duplicate(r, r->mesh.v, 4 * t, sizeof *ret->tets);
+  ret->adj = duplicate(r, r->mesh.adj, 4 * t, sizeof *ret->adj);
+  ret->region = duplicate(r, r->tet_region, t, sizeof *ret->region);
+  ret->subface = duplicate(r, r->sub_v, 3 * s, sizeof *ret->subface);
+  ret->subface_facet = tet_alloc(r->ctx, s, sizeof *ret->subface_facet);
+  ret->subseg = duplicate(r, r->seg_v, 2 * e, sizeof *ret->subseg);
+  ret->subseg_segment = duplicate(r, r->seg_of, e, sizeof *ret->subseg_segment);
+  for (uint32_t i = 0; i < s && ret->subface_facet; i++) ret->subface_facet[i] = r->patch[r->sub_patch[i]].facet;
+  int got = ret->points && ret->origin && ret->carrier && ret->tets && ret->adj && ret->region && ret->subface &&
+            ret->subface_facet && ret->subseg && ret->subseg_segment;
+  return got ? TET_OK : TET_E_MEMORY;
+}
+
+/* Gives the pieces of a released refiner what was copied of them. */
+void refine_restore(refiner *r, tet_pieces *copy) {
+  tet_pieces *p = r->out, keep = *p;
+  tet_free(r->ctx, p->points);
+  tet_free(r->ctx, p->origin);
+  tet_free(r->ctx, p->carrier);
+  *p = *copy;
+  *copy = (tet_pieces){0};
+  p->n_input = keep.n_input;
+  p->n_segments = keep.n_segments;
+  p->segment = keep.segment;
+  p->n_facets = keep.n_facets;
+  p->facet = keep.facet;
+  p->n_regions = keep.n_regions;
+  p->region_marker = keep.region_marker;
+  p->region_attribute = keep.region_attribute;
+  p->region_max_volume = keep.region_max_volume;
 }
 
 /* Frees what the refiner still owns. */

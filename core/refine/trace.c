@@ -55,7 +55,7 @@ static int is_within(const refiner *r, uint32_t t, uint32_t e) {
 }
 
 /* The subsegment to list tetrahedron t with: the one to blame, if that is within reach, else the nearest
- * of that, `nearest` and those at its corners. */
+ * of that, `nearest` and those at its corners; and if none of these is within reach, of all. */
 static uint32_t choose(const refiner *r, uint32_t t, uint32_t nearest, double *ret_far) {
   uint32_t best = r->blamed, other[5] = {nearest};
   double least = best == TET_NONE ? INFINITY : distance(r, t, best);
@@ -65,6 +65,12 @@ static uint32_t choose(const refiner *r, uint32_t t, uint32_t nearest, double *r
     if (far >= least) continue;
     least = far;
     best = other[i];
+  }
+  for (uint32_t e = 0, all = least > TET_TRACE_REACH ? r->n_segs : 0; e < all; e++) {
+    double far = r->segment_sharp[r->seg_of[e]] ? distance(r, t, e) : INFINITY;
+    if (far >= least) continue;
+    least = far;
+    best = e;
   }
   *ret_far = least;
   return best;

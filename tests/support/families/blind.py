@@ -45,6 +45,15 @@ def _distance(p, t):
     return min(_segment_distance(p, t[i], t[i - 1]) for i in range(3))
 
 
+def _is_far(p, t, room):
+    """Whether p is surely more than `room` from the triangle: from its box, or its plane.  In doubles, of places near the
+    origin."""
+    if any(p[k] < min(c[k] for c in t) - room or p[k] > max(c[k] for c in t) + room for k in range(3)):
+        return True
+    n = _normal(t)
+    return abs(exact.dot(exact.minus(p, t[0]), n)) > room * exact.dot(n, n) ** 0.5
+
+
 def cannot_tell(faults, pls, prefix):
     """Whether the judge's faults (its words) are all due to faces that lie on no facet but within its
     tolerance of one.  That all facets are covered the engine's own exact audit says."""
@@ -58,12 +67,16 @@ def cannot_tell(faults, pls, prefix):
     moved = [fractions.Fraction(ROUNDED * c) for c in largest]
     listed = {tuple(sorted(map(int, r[1:4]))) for r in table(f"{prefix}.face")}
     faces = {f for r in table(f"{prefix}.ele") for f in itertools.combinations(sorted(map(int, r[1:5])), 3)} - listed
+    near_origin = [tuple(float(a - b) for a, b in zip(p, x[0])) for p in x]
+    near_facets = [tuple(tuple(float(a - b) for a, b in zip(p, x[0])) for p in t) for t in facets]
+    room = 10 * float(near) ** 0.5
     found = False
     for face in faces:
         corners = [x[v] for v in face]
         middle = tuple(sum(c) / 3 for c in zip(*corners))
-        for t in facets:
-            if _distance(middle, t) > near:
+        about = tuple(sum(near_origin[v][k] for v in face) / 3 for k in range(3))
+        for t, there in zip(facets, near_facets):
+            if _is_far(about, there, room) or _distance(middle, t) > near:
                 continue
             if all(_may_be_in_plane(p, t, moved) for p in corners):
                 return False

@@ -111,7 +111,8 @@ def check_slivers(case, mesh, report, listed, found):
     was spent, or that of thin facets."""
     x, y = mesh.points, found.mesh.points
     known = [(y[a], y[b]) for a, b in found.sharp]
-    away = [t for t, _, _ in listed if not any(on_segment(x[v], p, q) for v in mesh.tets[t] for p, q in known)]
+    at_sharp = {v: any(on_segment(x[v], p, q) for p, q in known) for v in {v for t, _, _ in listed for v in mesh.tets[t]}}
+    away = [t for t, _, _ in listed if not any(at_sharp[v] for v in mesh.tets[t])]
     untraced = len(listed) - report["traced"]["slivers"]
     if len(away) < untraced:
         case.faults.append(f"{untraced} slivers not traced, and {len(away)} at no sharp segment")
