@@ -46,6 +46,7 @@ typedef struct tet_refine_result {
   uint64_t repair_flips;         /* that restored Delaunay after rounding */
   uint32_t n_sharp_segments;     /* below 60 degrees to a segment, or 69.3 between facets */
   uint64_t n_first_slivers;      /* before their removal */
+  uint64_t mended;               /* fewer over a bound by points near those left over */
   uint64_t sliver_points;        /* vertices that their removal inserted */
   uint64_t sliver_budget;        /* at which it ended, or would have */
   uint64_t thin_points, thin_budget; /* inserted in thin facets, and how many may be */

@@ -312,9 +312,11 @@ typedef struct refine_shape {
   double shortest2;    /* squared length of the shortest edge */
 } refine_shape;
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
+void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret);
 void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, uint32_t t);
+double refine_sharpest_of(const refiner *r, const uint32_t v[4]);
 int refine_is_sliver(const refiner *r, uint32_t t);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
 int refine_over_volume(const refiner *r, uint32_t t, const refine_shape *s);
@@ -339,6 +341,7 @@ void refine_spend(refiner *r);
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
+int refine_shortest_edge(const refiner *r, uint32_t t);
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret);
 
 /* repair.c */
@@ -347,6 +350,9 @@ tet_status refine_unbend(refiner *r);
 tet_status refine_repair_stuck(refiner *r);
 tet_status refine_repair_all(refiner *r);
 tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done);
+
+/* mend.c */
+tet_status refine_mend(refiner *r);
 
 /* trace.c */
 void refine_note_blame(refiner *r, uint32_t v);
