@@ -153,6 +153,17 @@ static int collect_fans(const refiner *r, removal *g) {
   return g->seg[0] == TET_NONE ? g->n_fans <= 1 : g->n_fans > 0;
 }
 
+/* 1 if all subfaces at subsegment e are listed: where the domain meets itself in a segment alone, the star that
+ * faces lead to is not all of it. */
+static int has_ring(const refiner *r, const removal *g, uint32_t e) {
+  uint32_t first = r->seg_sub[e], h = first;
+  do {
+    if (place_of(g->sub, g->n_subs, h / 3) == g->n_subs) return 0;
+    h = r->ring[h];
+  } while (h != first);
+  return 1;
+}
+
 /* The two subsegments at p, of a point on a segment. */
 static int find_segs(const refiner *r, removal *g) {
   uint32_t n = 0;
@@ -161,7 +172,7 @@ static int find_segs(const refiner *r, removal *g) {
     for (uint32_t h = 3 * g->sub[k]; h < 3 * g->sub[k] + 3; h++) {
       uint32_t a = r->sub_v[h], b = r->sub_v[3 * g->sub[k] + (h + 1) % 3], e = r->sub_seg[h];
       if (e == TET_NONE || (a != g->p && b != g->p) || place_of(g->seg, n, e) < n) continue;
-      if (n == 2) return 0;
+      if (n == 2 || !has_ring(r, g, e)) return 0;
       g->end[n] = a == g->p ? b : a;
       g->seg[n++] = e;
     }

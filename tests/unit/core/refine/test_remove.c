@@ -17,22 +17,27 @@ typedef struct world {
   refiner r;
 } world;
 
-/* A tetrahedron, about regular, so that nothing is encroached: `twice`, with another one on its first face. */
-static void stack(solid *s, int twice) {
-  static const double x[5][3] = {{0, 0, 0}, {1, 0.03, 0.01}, {0.52, 0.87, 0}, {0.5, 0.3, 0.84}, {0.49, 0.27, -0.83}};
-  static const uint32_t face[7][3] = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 1, 4}, {1, 2, 4}, {2, 0, 4}};
-  uint32_t n = twice ? 7 : 4;
+/* One or two tetrahedra, about regular, so that nothing is encroached: with a face in common, or but an edge. */
+typedef enum shape { ONE, ON_A_FACE, AT_AN_EDGE } shape;
+
+static void stack(solid *s, shape which) {
+  static const double x[6][3] = {{0, 0, 0}, {1, 0.03, 0.01}, {0.52, 0.87, 0}, {0.5, 0.3, 0.84}, {0.49, 0.27, -0.83},
+                                 {0.51, -0.82, -0.01}};
+  static const uint32_t on_a_face[7][3] = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 1, 4}, {1, 2, 4}, {2, 0, 4}};
+  static const uint32_t at_an_edge[8][3] = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3},
+                                            {0, 1, 4}, {0, 1, 5}, {1, 4, 5}, {4, 0, 5}};
+  uint32_t n = which == ONE ? 4 : which == ON_A_FACE ? 7 : 8;
   memset(s, 0, sizeof *s);
   memcpy(s->points, x, sizeof x);
-  memcpy(s->polygon_vertices, face, sizeof face);
+  memcpy(s->polygon_vertices, which == AT_AN_EDGE ? at_an_edge : on_a_face, 3 * n * sizeof(uint32_t));
   for (uint32_t i = 0; i <= n; i++) s->polygon_start[i] = 3 * i;
-  s->pls = (tet_pls){.n_points = twice ? 5 : 4, .points = s->points[0], .n_facets = n, .n_polygons = n,
-                     .polygon_start = s->polygon_start, .polygon_vertices = s->polygon_vertices};
+  s->pls = (tet_pls){.n_points = which == ONE ? 4 : which == ON_A_FACE ? 5 : 6, .points = s->points[0], .n_facets = n,
+                     .n_polygons = n, .polygon_start = s->polygon_start, .polygon_vertices = s->polygon_vertices};
 }
 
 /* The refiner of that, ready for its first point. */
-static void begin(world *w, int twice) {
-  stack(&w->s, twice);
+static void begin(world *w, shape which) {
+  stack(&w->s, which);
   assert_int_equal(tet_ctx_create(NULL, &w->ctx), TET_OK);
   assert_int_equal(solid_build(w->ctx, &w->s, &w->built), TET_OK);
   w->volume = pieces_volume(&w->built.pieces);
@@ -107,9 +112,9 @@ static void split_tet(refiner *r, uint32_t t, int take_out) {
 
 static void one_at_a_time(void **state) {
   (void)state;
-  for (int twice = 0; twice < 2; twice++) {
+  for (shape which = ONE; which <= ON_A_FACE; which++) {
     world w;
-    begin(&w, twice);
+    begin(&w, which);
     refiner *r = &w.r;
     uint32_t n = r->points.n;
     for (uint32_t e = 0; e < r->n_segs; e++) split_seg(r, e, 1);
@@ -125,7 +130,7 @@ static void one_at_a_time(void **state) {
 static void all_that_were_inserted(void **state) {
   (void)state;
   world w;
-  begin(&w, 1);
+  begin(&w, ON_A_FACE);
   refiner *r = &w.r;
   uint32_t n = r->points.n, segs = r->n_segs;
   for (uint32_t e = 0; e < segs; e++) split_seg(r, e, 0);
@@ -141,7 +146,23 @@ static void all_that_were_inserted(void **state) {
   end(&w, n + inserted - (uint32_t)r->result.removed_points);
 }
 
+/* A point on a segment in which alone the domain meets itself: no faces lead all around it, and it stays. */
+static void between_two_parts(void **state) {
+  (void)state;
+  world w;
+  begin(&w, AT_AN_EDGE);
+  refiner *r = &w.r;
+  uint32_t e = refine_find_seg(r, 0, 1), n = r->points.n;
+  int done;
+  assert_int_equal(r->mesh.n_live, 2);
+  split_seg(r, e, 0);
+  assert_int_equal(refine_remove(r, n, some_tet(r, n), &done), TET_OK);
+  assert_false(done);
+  end(&w, n + 1);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(one_at_a_time), cmocka_unit_test(all_that_were_inserted)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(one_at_a_time), cmocka_unit_test(all_that_were_inserted),
+                                     cmocka_unit_test(between_two_parts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
