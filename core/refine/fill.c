@@ -113,8 +113,8 @@ void refine_replace_edge(refiner *r, uint32_t h, uint32_t by) {
   if (e != TET_NONE && r->seg_sub[e] == h) r->seg_sub[e] = by;
 }
 
-/* Puts edge handle h on new subsegment e. */
-static void on_segment(refiner *r, uint32_t h, uint32_t e) {
+/* Puts edge handle h, in no ring yet, on subsegment e. */
+void refine_on_segment_edge(refiner *r, uint32_t h, uint32_t e) {
   r->sub_seg[h] = e;
   if (r->seg_sub[e] == TET_NONE) r->seg_sub[e] = h;
   else refine_link(r, r->seg_sub[e], h);
@@ -143,9 +143,9 @@ static tet_status link_rim(refiner *r, uint32_t e, uint32_t f) {
   for (uint32_t k = 0; k < c->rim.n; k++) {
     uint32_t n = c->rim_new.at[k], x = r->sub_v[3 * (size_t)n], y = r->sub_v[3 * (size_t)n + 1];
     refine_replace_edge(r, c->rim.at[k], 3 * n);
-    if (x == a || x == b) on_segment(r, 3 * n + 2, x == a ? e : f);
+    if (x == a || x == b) refine_on_segment_edge(r, 3 * n + 2, x == a ? e : f);
     if (y == a || y == b) {
-      on_segment(r, 3 * n + 1, y == a ? e : f);
+      refine_on_segment_edge(r, 3 * n + 1, y == a ? e : f);
       continue;
     }
     uint32_t m = TET_NONE;

@@ -50,8 +50,9 @@ int refine_over_volume(const refiner *r, uint32_t t, double volume6) {
 
 /* Squared cosine of the smallest dihedral angle, 1 for a flat tetrahedron: by the normals of
  * the faces, which point inwards. */
-double refine_sharpest(const refiner *r, uint32_t t) {
-  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+double refine_sharpest(const refiner *r, uint32_t t) { return refine_sharpest_of(r, r->mesh.v + 4 * (size_t)t); }
+
+double refine_sharpest_of(const refiner *r, const uint32_t v[4]) {
   const double *o = refine_x(r, v[0]);
   double a[3], b[3], c[3], n[4][3], nn[4], most = 0;
   tet_minus(refine_x(r, v[1]), o, a);

@@ -135,6 +135,7 @@ static tet_status run(refiner *r) {
   if (!status) status = queue_bad(r);
   if (!status) status = converge(r);
   if (!status && r->o.min_dihedral > 0) status = remove_slivers(r);
+  if (!status) status = refine_mend(r);
   return status;
 }
 

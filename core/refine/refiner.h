@@ -207,6 +207,7 @@ typedef struct refiner {
   double sliver_sine2; /* squared sine of the bound */
   uint64_t last_point; /* vertices at which slivers are given up */
   refine_buckets bad;
+  uint32_t *some_tet; /* [vertex] that has it, while points are removed; else NULL */
   double *max_volume; /* [region] */
   uint32_t *round_start; /* [KEYS] with TET_INSERT_RELATIVELY_SHORT: vertices there were when each round began */
   uint32_t n_rounds;
@@ -299,6 +300,7 @@ int refine_cavity_is_delaunay(const refiner *r);
 tet_status refine_fill(refiner *r);
 void refine_hang(refiner *r, uint32_t sub, uint32_t h);
 void refine_take_sub(refiner *r, uint32_t s, uint32_t was, uint32_t h);
+void refine_on_segment_edge(refiner *r, uint32_t h, uint32_t e);
 void refine_link(refiner *r, uint32_t g, uint32_t h);
 void refine_replace_edge(refiner *r, uint32_t h, uint32_t by);
 
@@ -328,6 +330,7 @@ void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
 void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, uint32_t t);
+double refine_sharpest_of(const refiner *r, const uint32_t v[4]);
 int refine_is_sliver(const refiner *r, uint32_t t);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
 int refine_over_volume(const refiner *r, uint32_t t, double volume6);
@@ -359,6 +362,7 @@ void refine_spend(refiner *r);
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret);
 tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_outcome *ret);
+int refine_shortest_edge(const refiner *r, uint32_t t);
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret);
 
 /* repair.c */
@@ -367,6 +371,16 @@ tet_status refine_unbend(refiner *r);
 tet_status refine_repair_stuck(refiner *r);
 tet_status refine_repair_all(refiner *r);
 tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done);
+
+/* mend.c, remove.c: when no rule applies any more. */
+typedef struct refine_faults {
+  uint32_t over, slivers;
+  double worst2; /* squared, of the radius-edge ratios over the bound; infinite for what is flat */
+} refine_faults;
+void refine_count_faults(const refiner *r, const uint32_t v[4], uint32_t region, refine_faults *sum);
+tet_status refine_mend(refiner *r);
+tet_status refine_remove(refiner *r, uint32_t p, uint32_t tet, int *ret_done);
+tet_status refine_remove_points(refiner *r);
 
 /* trace.c */
 void refine_note_blame(refiner *r, uint32_t v);

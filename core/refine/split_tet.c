@@ -83,7 +83,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt w
 }
 
 /* The shortest edge of t. */
-static int shortest_edge(const refiner *r, uint32_t t) {
+int refine_shortest_edge(const refiner *r, uint32_t t) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   double shortest2 = INFINITY;
   int shortest = 0;
@@ -102,7 +102,7 @@ static int shortest_edge(const refiner *r, uint32_t t) {
  * circumcentre. 0 if that is about the circumcentre, as where the ratio holds. */
 static int off_centre(const refiner *r, uint32_t t, const double c[3], double x[3]) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-  const uint8_t *e = refine_edge[shortest_edge(r, t)];
+  const uint8_t *e = refine_edge[refine_shortest_edge(r, t)];
   const double *a = refine_x(r, v[e[0]]), *b = refine_x(r, v[e[1]]);
   double d[3];
   for (int i = 0; i < 3; i++) x[i] = 0.5 * (a[i] + b[i]);
@@ -162,7 +162,7 @@ static size_t fan_end(const refiner *r, uint32_t t, uint32_t a, uint32_t b, uint
  * between them points in the volume leave more over the bound than they mend. TET_NONE: there is none. */
 static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-  int shortest = shortest_edge(r, t);
+  int shortest = refine_shortest_edge(r, t);
   const uint8_t *e = refine_edge[shortest], *f = refine_edge[5 - shortest];
   uint32_t wall = TET_NONE;
   for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4 && wall == TET_NONE; h++) wall = long_wall(r, h);
@@ -172,19 +172,20 @@ static uint32_t wall_to_blame(const refiner *r, uint32_t t) {
   return long_wall(r, fan_end(r, t, v[e[0]], v[e[1]], v[f[1]]));
 }
 
-/* For t, over the bound because of subface `wall`: no point in the volume. *ret_kept = 1 where what could be
- * split is protected, so that t stays. */
+/* For t, over the bound because of subface `wall`: no point in the volume. *ret_kept = 1 where the wall, or what
+ * could be split instead, is protected, so that t stays whatever else is split for it. */
 static tet_status split_wall(refiner *r, uint32_t t, uint32_t wall, const double centre[3], refine_outcome *ret,
                              int *ret_kept) {
   uint64_t noise = r->result.rejected.outside, protected = r->result.rejected.protected_ball;
   double x[3];
-  tet_status status = try_point(r, t, centre, INSTEAD_ONLY, ret);
+  tet_status status = refine_split_sub(r, wall, CAUSE_CENTRE, ret);
+  *ret_kept = *ret == OUTCOME_REJECTED && protected != r->result.rejected.protected_ball;
+  if (status || *ret_kept || *ret != OUTCOME_REJECTED) return status;
+  status = try_point(r, t, centre, INSTEAD_ONLY, ret);
   if (!status && noise != r->result.rejected.outside) {
     face_centre(r, t, x);
     status = try_point(r, t, x, INSTEAD_ONLY, ret);
   }
-  if (!status && *ret == OUTCOME_REJECTED && !r->hit_segs.n && !r->hit_subs.n)
-    status = refine_split_sub(r, wall, CAUSE_CENTRE, ret);
   *ret_kept = *ret == OUTCOME_REJECTED && protected != r->result.rejected.protected_ball;
   return status;
 }

@@ -122,6 +122,31 @@ void refine_drop_point(refiner *r) { r->out->n_points = --r->points.n; }
 
 /* Moves live tetrahedra to the front, in order; map[old] = new. What refinement alone needs
  * does not come along. */
+/* Numbers the vertices anew that are left, in their order: Steiner points may have been removed. */
+static tet_status pack_points(refiner *r) {
+  tet_pieces *p = r->out;
+  uint32_t n = r->n_first, *map = r->result.removed_points ? tet_alloc(r->ctx, p->n_points, sizeof *map) : NULL;
+  if (!map) return r->result.removed_points ? TET_E_MEMORY : TET_OK;
+  for (uint32_t v = 0; v < p->n_points; v++) map[v] = v < r->n_first ? v : TET_NONE;
+  for (size_t h = 0; h < 4 * (size_t)r->mesh.n_slots; h++)
+    if (refine_alive(r, (uint32_t)(h / 4))) map[r->mesh.v[h]] = r->mesh.v[h];
+  for (uint32_t v = r->n_first; v < p->n_points; v++) {
+    if (map[v] == TET_NONE) continue;
+    memmove(p->points + 3 * (size_t)n, p->points + 3 * (size_t)v, 3 * sizeof *p->points);
+    p->origin[n] = p->origin[v];
+    p->carrier[n] = p->carrier[v];
+    map[v] = n++;
+  }
+  p->n_points = r->points.n = n;
+  for (size_t h = 0; h < 4 * (size_t)r->mesh.n_slots; h++)
+    if (refine_alive(r, (uint32_t)(h / 4))) r->mesh.v[h] = map[r->mesh.v[h]];
+  for (size_t h = 0; h < 3 * (size_t)r->n_subs; h++)
+    if (r->sub_v[h - h % 3] != TET_NONE) r->sub_v[h] = map[r->sub_v[h]];
+  for (size_t h = 0; h < 2 * (size_t)r->n_segs; h++) r->seg_v[h] = map[r->seg_v[h]];
+  tet_free(r->ctx, map);
+  return TET_OK;
+}
+
 static void pack_tets(refiner *r, uint32_t *map) {
   uint32_t n = 0;
   for (uint32_t t = 0; t < r->mesh.n_slots; t++) map[t] = refine_alive(r, t) ? n++ : TET_NONE;
@@ -147,6 +172,12 @@ tet_status refine_unload(refiner *r) {
     tet_free(r->ctx, map);
     tet_free(r->ctx, facet);
     return TET_E_MEMORY;
+  }
+  tet_status status = pack_points(r);
+  if (status) {
+    tet_free(r->ctx, map);
+    tet_free(r->ctx, facet);
+    return status;
   }
   pack_tets(r, map);
   tet_free(r->ctx, map);
