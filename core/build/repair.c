@@ -374,11 +374,8 @@ static int is_folded(const repair *r, uint32_t h) {
   if (k == TET_NONE) return 0;
   uint32_t first = r->exact.first_implicit;
   if (a < first && b < first && c < first) return 0;
-  const uint32_t *v = r->surface->tri + 3 * (size_t)k; /* counter-clockwise, in the same plane */
   int axis = r->surface->patch[r->surface->tri_patch[k]].axis;
-  int turn = -tet_orient3d(&r->exact, v[0], v[1], v[2], t[h & 3]);
-  if (!turn) turn = tet_orient2d(&r->exact, axis, a, b, c);
-  return tet_orient2d_xyz(axis, repair_at(r, a), repair_at(r, b), repair_at(r, c)) != turn;
+  return tet_orient2d_xyz(axis, repair_at(r, a), repair_at(r, b), repair_at(r, c)) != tet_orient2d(&r->exact, axis, a, b, c);
 }
 
 static tet_status verify_subfaces(const repair *r) {
