@@ -142,6 +142,9 @@ static void all_that_were_inserted(void **state) {
   assert_true(inserted > segs);
   r->result.segment_points = r->result.facet_points = r->result.volume_points = inserted; /* as if by the rules */
   assert_int_equal(refine_remove_points(r), TET_OK);
+  assert_int_equal(r->result.removed_points, 0); /* as nothing is over the bound */
+  r->o.radius_edge = 1.2;
+  assert_int_equal(refine_remove_points(r), TET_OK);
   assert_true(r->result.removed_points > 0 && r->mesh.n_live < before);
   end(&w, n + inserted - (uint32_t)r->result.removed_points);
 }
