@@ -53,7 +53,7 @@ static tet_status step(refiner *r, int *ret_more) {
   uint32_t item;
   refine_shape shape;
   int sliver;
-  refine_outcome outcome;
+  refine_outcome outcome = OUTCOME_NONE;
   *ret_more = 1;
   if (refine_next_seg(r, &item)) {
     uint32_t by;
@@ -64,9 +64,12 @@ static tet_status step(refiner *r, int *ret_more) {
     return refine_sub_encroached(r, item) ? refine_split_sub(r, item, CAUSE_VERTEX, &outcome) : TET_OK;
   if (r->stuck.n) return refine_repair_stuck(r);
   if (refine_next_tet(r, &item, &shape, &sliver)) {
-    if (sliver && r->points.n >= r->last_point) r->watch_slivers = 0; /* what is queued counts no more */
-    else return refine_split_tet(r, item, &shape, sliver, &outcome);
-    return TET_OK;
+    int is_spent = sliver && r->points.n >= r->last_point;
+    tet_status status = TET_OK;
+    if (is_spent) r->watch_slivers = 0; /* what is queued counts no more */
+    else status = refine_split_tet(r, item, &shape, sliver, &outcome);
+    r->some_left |= !status && (is_spent || outcome == OUTCOME_REJECTED);
+    return status;
   }
   *ret_more = 0;
   return TET_OK;
@@ -135,7 +138,7 @@ static tet_status run(refiner *r) {
   if (!status) status = queue_bad(r);
   if (!status) status = converge(r);
   if (!status && r->o.min_dihedral > 0) status = remove_slivers(r);
-  if (!status) status = refine_mend(r);
+  if (!status && r->some_left) status = refine_mend(r);
   return status;
 }
 

@@ -199,6 +199,7 @@ typedef struct refiner {
   int watch_slivers;   /* 1: slivers are removed */
   int exact;           /* 1: facets are flat and segments straight to the last bit, every cavity was its conflict region */
   int strict;          /* 1: no cavity is filled that leaves a face that is not locally Delaunay */
+  int some_left;       /* 1: something over a bound could not be split */
   int forcing;         /* 1: a face cannot be Delaunay: no ball protects, no gap is too narrow */
   int picking;         /* 1: a sliver is being split: points go near where others would */
   int tracing;         /* 1: nothing is inserted; who rejects is noted */

@@ -120,8 +120,6 @@ tet_status refine_add_point(refiner *r, const double x[3], tet_origin origin, ui
 
 void refine_drop_point(refiner *r) { r->out->n_points = --r->points.n; }
 
-/* Moves live tetrahedra to the front, in order; map[old] = new. What refinement alone needs
- * does not come along. */
 /* Numbers the vertices anew that are left, in their order: Steiner points may have been removed. */
 static tet_status pack_points(refiner *r) {
   tet_pieces *p = r->out;
@@ -147,6 +145,8 @@ static tet_status pack_points(refiner *r) {
   return TET_OK;
 }
 
+/* Moves live tetrahedra to the front, in order; map[old] = new. What refinement alone needs
+ * does not come along. */
 static void pack_tets(refiner *r, uint32_t *map) {
   uint32_t n = 0;
   for (uint32_t t = 0; t < r->mesh.n_slots; t++) map[t] = refine_alive(r, t) ? n++ : TET_NONE;
