@@ -11,7 +11,6 @@
 
 #include <string.h>
 
-enum { RINGS = 3 }; /* around what is over a bound, in which points are removed */
 enum { MOST_TETS = 96, MOST_SUBS = 48, MOST_FANS = 8, MOST_LINK = 64 };
 
 /* Subfaces at the point, joined by edges that are no subsegments: a polygon, the point in it or on its side. */
@@ -516,40 +515,36 @@ tet_status refine_remove(refiner *r, uint32_t p, uint32_t tet, int *ret_done) {
   return replace(r, &g, e);
 }
 
-/* Marks the vertices of what is over a bound, and in RINGS rounds those of all at marked vertices. 0: there are none. */
-static int mark_near_faults(const refiner *r, uint8_t *near) {
-  refine_faults sum = {0, 0, 0};
-  for (uint32_t ring = 0; ring <= RINGS; ring++)
-    for (uint32_t t = 0; t < r->mesh.n_slots; t++) {
-      if (!refine_alive(r, t)) continue;
-      const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-      refine_faults own = {0, 0, 0};
-      int is_near = 0;
-      if (ring == 0) refine_count_faults(r, v, r->tet_region[t], &own);
-      for (int i = 0; i < 4 && ring; i++) is_near |= near[v[i]] && near[v[i]] <= ring;
-      sum.over += own.over + own.slivers;
-      for (int i = 0; i < 4 && (is_near || own.over || own.slivers); i++)
-        if (!near[v[i]]) near[v[i]] = (uint8_t)(ring + 1);
-    }
-  return sum.over > 0;
+/* Marks the vertices of what is over a bound. 0: there are none. */
+static int mark_faults(const refiner *r, uint8_t *marked) {
+  int some = 0;
+  for (uint32_t t = 0; t < r->mesh.n_slots; t++) {
+    if (!refine_alive(r, t)) continue;
+    refine_faults own = {0, 0, 0};
+    refine_count_faults(r, r->mesh.v + 4 * (size_t)t, r->tet_region[t], &own);
+    if (!own.over && !own.slivers) continue;
+    for (int i = 0; i < 4; i++) marked[r->mesh.v[4 * (size_t)t + i]] = 1;
+    some = 1;
+  }
+  return some;
 }
 
-/* Removes what can be of the points near something over a bound, the youngest first: elsewhere few go, at a high cost. */
+/* Removes what can be of the vertices of something over a bound, the youngest first: elsewhere few go, at a high cost. */
 tet_status refine_remove_points(refiner *r) {
   tet_status status = TET_OK;
-  uint8_t *near = tet_calloc(r->ctx, r->points.n, 1);
+  uint8_t *marked = tet_calloc(r->ctx, r->points.n, 1);
   r->some_tet = tet_alloc(r->ctx, r->points.n, sizeof *r->some_tet);
-  if (!r->some_tet || !near) status = TET_E_MEMORY;
-  if (!status && mark_near_faults(r, near)) {
+  if (!r->some_tet || !marked) status = TET_E_MEMORY;
+  if (!status && mark_faults(r, marked)) {
     for (uint32_t t = 0; t < r->mesh.n_slots; t++)
       for (int i = 0; i < 4 && refine_alive(r, t); i++) r->some_tet[r->mesh.v[4 * (size_t)t + i]] = t;
     for (uint32_t p = r->points.n; p-- > r->n_first && !status;) {
       int done;
-      if (near[p]) status = refine_remove(r, p, r->some_tet[p], &done);
+      if (marked[p]) status = refine_remove(r, p, r->some_tet[p], &done);
       if (!status) status = tet_poll(r->ctx);
     }
   }
-  tet_free(r->ctx, near);
+  tet_free(r->ctx, marked);
   tet_free(r->ctx, r->some_tet);
   r->some_tet = NULL;
   return status;
