@@ -54,12 +54,14 @@ static tet_status find(refiner *r, listing *over, listing *slivers) {
   refine_shape shape;
   int all = r->result.n_first_slivers && !r->watch_slivers;
   for (uint32_t t = 0, row = 0; t < r->mesh.n_slots && !status; t++) {
+    const uint32_t *v = r->mesh.v + 4 * (size_t)t;
     if (!refine_alive(r, t)) continue;
     if (r->tet_edges[t] & TET_QUEUED) {
-      refine_measure(r, t, &shape);
-      if (refine_over_ratio(r, &shape) || refine_over_volume(r, t, shape.volume6)) status = note(r, over, t, row);
+      refine_measure_corners(r, v, &shape);
+      if (refine_over_ratio(r, &shape) || refine_over_volume(r, r->tet_region[t], shape.volume6))
+        status = note(r, over, t, row);
     }
-    if (!status && (all || r->tet_edges[t] & TET_QUEUED) && refine_is_sliver(r, t)) status = note(r, slivers, t, row);
+    if (!status && (all || r->tet_edges[t] & TET_QUEUED) && refine_is_sliver(r, v)) status = note(r, slivers, t, row);
     if (!status && (t & 4095) == 0) status = tet_poll(r->ctx);
     row++;
   }
@@ -79,7 +81,7 @@ static tet_status fill(refiner *r, const listing *l, const uint32_t *label, int 
     tet[k] = l->row.at[k];
     segment[k] = label[l->tet.at[k]];
     if (is_sliver) {
-      value[k] = sqrt(refine_sharpest(r, l->tet.at[k]));
+      value[k] = sqrt(refine_sharpest(r, r->mesh.v + 4 * (size_t)l->tet.at[k]));
     } else {
       refine_measure(r, l->tet.at[k], &shape);
       value[k] = refine_radius_edge(&shape);

@@ -16,12 +16,12 @@ void refine_count_faults(const refiner *r, const uint32_t v[4], uint32_t region,
   refine_shape shape;
   refine_measure_corners(r, v, &shape);
   int over = refine_over_ratio(r, &shape);
-  sum->over += over || shape.volume6 > 6 * r->max_volume[region];
+  sum->over += over || refine_over_volume(r, region, shape.volume6);
   if (over) {
     double ratio = shape.volume6 > 0 ? refine_radius_edge(&shape) : INFINITY;
     if (ratio * ratio > sum->worst2) sum->worst2 = ratio * ratio;
   }
-  sum->slivers += r->sliver_sine2 > 0 && 1 - refine_sharpest_of(r, v) < r->sliver_sine2;
+  sum->slivers += refine_is_sliver(r, v);
 }
 
 /* What the trimmed cavity's point would mend, or 0: nothing, or something else would be worse. */

@@ -44,15 +44,13 @@ int refine_over_ratio(const refiner *r, const refine_shape *s) {
   return !(s->volume6 > 0 && tet_square(s->to_centre) <= reach * reach * s->shortest2 * REFINE_SLACK);
 }
 
-int refine_over_volume(const refiner *r, uint32_t t, double volume6) {
-  return volume6 > 6 * r->max_volume[r->tet_region[t]] * REFINE_SLACK;
+int refine_over_volume(const refiner *r, uint32_t region, double volume6) {
+  return volume6 > 6 * r->max_volume[region] * REFINE_SLACK;
 }
 
 /* Squared cosine of the smallest dihedral angle, 1 for a flat tetrahedron: by the normals of
  * the faces, which point inwards. */
-double refine_sharpest(const refiner *r, uint32_t t) { return refine_sharpest_of(r, r->mesh.v + 4 * (size_t)t); }
-
-double refine_sharpest_of(const refiner *r, const uint32_t v[4]) {
+double refine_sharpest(const refiner *r, const uint32_t v[4]) {
   const double *o = refine_x(r, v[0]);
   double a[3], b[3], c[3], n[4][3], nn[4], most = 0;
   tet_minus(refine_x(r, v[1]), o, a);
@@ -71,7 +69,9 @@ double refine_sharpest_of(const refiner *r, const uint32_t v[4]) {
   return most < 1 ? most : 1;
 }
 
-int refine_is_sliver(const refiner *r, uint32_t t) { return 1 - refine_sharpest(r, t) < r->sliver_sine2; }
+int refine_is_sliver(const refiner *r, const uint32_t v[4]) {
+  return r->sliver_sine2 > 0 && 1 - refine_sharpest(r, v) < r->sliver_sine2;
+}
 
 /* The bounds: of the sine of dihedral angles, and of each region's volumes, INFINITY where there
  * is none. */

@@ -131,9 +131,10 @@ static inline uint32_t ratio_key(const refiner *r, uint32_t t, const refine_shap
  * close by. Slivers (3.4.2) come last, the sharpest first. */
 static inline uint32_t bucket_of(const refiner *r, uint32_t t, const refine_shape *shape) {
   if (refine_over_ratio(r, shape)) return ratio_key(r, t, shape);
-  if (refine_over_volume(r, t, shape->volume6)) return 2 * KEYS - 1 - (key_of(shape->volume6) >> FINE << FINE);
+  if (refine_over_volume(r, r->tet_region[t], shape->volume6))
+    return 2 * KEYS - 1 - (key_of(shape->volume6) >> FINE << FINE);
   if (!r->watch_slivers) return BUCKETS;
-  double sine2 = 1 - refine_sharpest(r, t);
+  double sine2 = 1 - refine_sharpest(r, r->mesh.v + 4 * (size_t)t);
   return sine2 < r->sliver_sine2 ? 2 * KEYS + quarter_of(sine2) : BUCKETS;
 }
 
@@ -196,7 +197,8 @@ tet_status refine_queue_made(refiner *r) {
   for (uint32_t k = 0; k < c->n_made && r->watch_tets && !status; k++) {
     const refine_shapes *s = &c->shapes[k / 4];
     uint32_t lane = k % 4, t = r->mesh.cavity[k];
-    if (!(s->is_over >> lane & 1) && !r->watch_slivers && !refine_over_volume(r, t, s->volume6[lane])) continue;
+    if (!(s->is_over >> lane & 1) && !r->watch_slivers && !refine_over_volume(r, r->tet_region[t], s->volume6[lane]))
+      continue;
     refine_shape shape = {{s->to_centre[0][lane], s->to_centre[1][lane], s->to_centre[2][lane]},
                           s->volume6[lane], s->shortest2[lane]};
     status = queue_shaped(r, t, &shape);

@@ -113,7 +113,7 @@ static tet_status remove_slivers(refiner *r) {
   uint64_t n = 0, before = r->points.n;
   tet_status polled = TET_OK;
   for (uint32_t t = 0; t < r->mesh.n_slots && !polled; t++) {
-    n += refine_alive(r, t) && refine_is_sliver(r, t);
+    n += refine_alive(r, t) && refine_is_sliver(r, r->mesh.v + 4 * (size_t)t);
     if ((t & 4095) == 0) polled = tet_poll(r->ctx);
   }
   if (polled) return polled;
