@@ -2,8 +2,10 @@
 """Where the judge cannot tell: it takes a face for a part of a facet from which it is less
 than eight units in the last place of the largest coordinate away, which is its least
 tolerance; but facets may be nearer to each other than that, where one axis is squeezed and another is
-far from 0.  Here distances are exact."""
+far from 0.  Here distances are exact, and a Steiner point of a segment is in a plane where the segment is,
+however near rounding has put it."""
 
+import collections
 import fractions
 import itertools
 
@@ -11,7 +13,8 @@ import exact
 
 LEAST = 8 * 2.3e-16  # the judge's, as part of the largest coordinate
 ROUNDED = 2.0 ** -53  # rounding moves a coordinate by no more than this part of its axis's largest
-KINDS = ("facets not covered", "subfaces not listed")
+MARKED = "subfaces with another facet's marker"
+KINDS = ("facets not covered", "subfaces not listed", MARKED)
 
 
 def table(path):
@@ -54,31 +57,72 @@ def _is_far(p, t, room):
     return abs(exact.dot(exact.minus(p, t[0]), n)) > room * exact.dot(n, n) ** 0.5
 
 
+class _Mesh:
+    """What the files of `prefix` say, exactly, with the system's triangles."""
+
+    def __init__(self, pls, prefix):
+        nodes = [tuple(map(float, r[1:4])) for r in table(f"{prefix}.node")]
+        self.x = [tuple(map(fractions.Fraction, p)) for p in nodes]
+        self.n_input = len(pls.points)  # they come first
+        self.triangles = [(facet.marker, t) for facet in pls.facets for t in facet.triangles()]
+        largest = [max(abs(p[k]) for p in nodes) for k in range(3)]
+        self.near = LEAST * max(largest)
+        self.moved = [fractions.Fraction(ROUNDED * c) for c in largest]
+        self.subfaces = {tuple(sorted(map(int, r[1:4]))): int(r[4]) for r in table(f"{prefix}.face")}
+        self.inner = {f for r in table(f"{prefix}.ele") for f in itertools.combinations(sorted(map(int, r[1:5])), 3)}
+        self.inner -= self.subfaces.keys()
+        self.on_facet = {v for f in self.subfaces for v in f}
+        self.beside = collections.defaultdict(list)
+        for r in table(f"{prefix}.edge"):
+            a, b = map(int, r[1:3])
+            self.beside[a].append(b)
+            self.beside[b].append(a)
+        self.near_origin = [self._moved_to_origin(p) for p in self.x]
+
+    def _moved_to_origin(self, p):
+        return tuple(float(a - b) for a, b in zip(p, self.x[0]))
+
+    def _end(self, v, before):
+        """The input vertex where a segment ends that comes from `before` to v."""
+        while v >= self.n_input:
+            before, v = v, next(w for w in self.beside[v] if w != before)
+        return v
+
+    def _may_be_in_plane(self, v, t):
+        if not _may_be_in_plane(self.x[v], t, self.moved):
+            return False
+        if v >= self.n_input and v in self.beside:
+            return all(_may_be_in_plane(self.x[self._end(w, v)], t, self.moved) for w in self.beside[v])
+        return v < self.n_input or v in self.on_facet
+
+    def near_triangles(self, face):
+        """(marker, whether the face may be part of it) of the triangles that its middle is near."""
+        middle = tuple(sum(c) / 3 for c in zip(*(self.x[v] for v in face)))
+        about = tuple(sum(self.near_origin[v][k] for v in face) / 3 for k in range(3))
+        for marker, corners in self.triangles:
+            t = [self.x[v] for v in corners]
+            if _is_far(about, [self.near_origin[v] for v in corners], 10 * self.near):
+                continue
+            if _distance(middle, t) <= fractions.Fraction(self.near) ** 2:
+                yield marker, all(self._may_be_in_plane(v, t) for v in face)
+
+
 def cannot_tell(faults, pls, prefix):
     """Whether the judge's faults (its words) are all due to faces that lie on no facet but within its
-    tolerance of one.  That all facets are covered the engine's own exact audit says."""
-    if not all(f.strip(' "').startswith(KINDS) for f in faults):
+    tolerance of one, or to subfaces that are within it of another.  That all facets are covered the engine's own exact
+    audit says."""
+    faults = [f.strip(' "') for f in faults]
+    if not all(f.startswith(KINDS) for f in faults):
         return False
-    nodes = [tuple(map(float, r[1:4])) for r in table(f"{prefix}.node")]
-    x = [tuple(map(fractions.Fraction, p)) for p in nodes]
-    facets = [[x[v] for v in s] for s in pls.simplices() if len(s) == 3]  # input vertices come first
-    largest = [max(abs(p[k]) for p in nodes) for k in range(3)]
-    near = fractions.Fraction(LEAST * max(largest)) ** 2
-    moved = [fractions.Fraction(ROUNDED * c) for c in largest]
-    listed = {tuple(sorted(map(int, r[1:4]))) for r in table(f"{prefix}.face")}
-    faces = {f for r in table(f"{prefix}.ele") for f in itertools.combinations(sorted(map(int, r[1:5])), 3)} - listed
-    near_origin = [tuple(float(a - b) for a, b in zip(p, x[0])) for p in x]
-    near_facets = [tuple(tuple(float(a - b) for a, b in zip(p, x[0])) for p in t) for t in facets]
-    room = 10 * float(near) ** 0.5
-    found = False
-    for face in faces:
-        corners = [x[v] for v in face]
-        middle = tuple(sum(c) / 3 for c in zip(*corners))
-        about = tuple(sum(near_origin[v][k] for v in face) / 3 for k in range(3))
-        for t, there in zip(facets, near_facets):
-            if _is_far(about, there, room) or _distance(middle, t) > near:
-                continue
-            if all(_may_be_in_plane(p, t, moved) for p in corners):
+    mesh = _Mesh(pls, prefix)
+    near = [is_part for face in mesh.inner for _, is_part in mesh.near_triangles(face)]
+    if any(near):
+        return False
+    foreign = False
+    if any(f.startswith(MARKED) for f in faults):
+        for face, marker in mesh.subfaces.items():
+            found = list(mesh.near_triangles(face))
+            if (marker, True) not in found:
                 return False
-            found = True
-    return found
+            foreign |= any(not is_part and m != marker for m, is_part in found)
+    return bool(near) or foreign

@@ -10,6 +10,10 @@ class Facet:
         self.marker = marker
         self.holes = list(holes)
 
+    def triangles(self):
+        """Fans of the polygons, which are convex where they have more than three vertices."""
+        return [(p[0], p[i], p[i + 1]) for p in self.polygons for i in range(1, len(p) - 1)]
+
 
 class Pls:
     """Points are triples of floats, holes are too, regions are (x, y, z, attribute).
@@ -43,14 +47,10 @@ class Pls:
         return v
 
     def simplices(self):
-        """Triangles (fans of the polygons, which are convex where they have more than three
-        vertices) and segments, as tuples."""
+        """The facets' triangles, and segments, as tuples."""
         found = []
         for facet in self.facets:
-            for p in facet.polygons:
-                if len(p) == 2:
-                    found.append(tuple(p))
-                found += [(p[0], p[i], p[i + 1]) for i in range(1, len(p) - 1)]
+            found += [tuple(p) for p in facet.polygons if len(p) == 2] + facet.triangles()
         return found
 
     def write(self, path):

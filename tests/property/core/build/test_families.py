@@ -16,6 +16,7 @@ import pytest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[2] / "support"), str(HERE.parents[2] / "support/families")]
+import blind  # noqa: E402
 import families  # noqa: E402
 import models  # noqa: E402
 import runs  # noqa: E402
@@ -60,6 +61,23 @@ def test_meshes_are_judged_exact(name):
     assert all(r.judged or r.blind or r.fault for r in results(name))
     assert sum(r.blind for r in results(name)) < 0.2 * len(results(name))  # it can, mostly
     assert_no("judge_fault", name)
+
+
+def test_faults_of_meshes_are_not_taken_for_the_judges_blindness(tmp_path):
+    pls, path, prefix = families.make("interfaces-far", 3400007), tmp_path / "far.poly", tmp_path / "far"
+    pls.write(path)
+    done, _ = runs.run_engine(path, prefix)
+    assert done.returncode == 0
+    said = ["subfaces not listed: 17", "subfaces with another facet's marker: 3"]
+    assert blind.cannot_tell(said, pls, prefix)  # a layer of five units in the last place
+    assert not blind.cannot_tell([*said, "flat tetrahedra: 1"], pls, prefix)
+    faces = prefix.with_suffix(".face")
+    head, *rows = faces.read_text().splitlines()
+    other = rows[0].rsplit(" ", 1)[0] + " 77"
+    faces.write_text("\n".join([head, other, *rows[1:]]) + "\n")
+    assert not blind.cannot_tell(said, pls, prefix)
+    faces.write_text("\n".join([head, *rows[1:]]) + "\n")
+    assert not blind.cannot_tell(said[:1], pls, prefix)
 
 
 @pytest.mark.parametrize("name", NAMES)
