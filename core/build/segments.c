@@ -28,6 +28,9 @@ static const double ELSEWHERE = 0x1p-42, FARTHER = 8;
 /* Nearer to an end of the subsegment than this part of the distance to the other point, a level
  * point would be of no use. */
 static const double NEAR_END = 0.1;
+/* Steiner points of two segments that are nearer to each other than this part of the largest coordinate, a
+ * hundredth of what rounding moves them, are not told apart by doubles. */
+static const double APART = 0x1p-60;
 /* How far a point may be moved so that rounding moves it less, as part of the way to an end. */
 static const double NUDGE = 0.5;
 
@@ -187,6 +190,40 @@ static double acute_split(const double *end, const double *direction, double nea
   return 0.5 * (near + far);
 }
 
+/* The segment that p is a Steiner point of, or NULL. */
+static const tet_segment *segment_of(const recovery *r, uint32_t p) {
+  const tet_state *st = r->st;
+  if (p == TET_NONE || p < st->n_input || st->carrier[p - st->n_input].origin != TET_ORIGIN_SEGMENT) return NULL;
+  return &st->surface.segment[st->carrier[p - st->n_input].number];
+}
+
+/* How far Steiner point p of segment h is from the line of segment g, in doubles; from their common end, if there is
+ * one, as near to it p's own place says nothing. */
+static double distance_to_line(const recovery *r, const tet_segment *g, const tet_segment *h, uint32_t p) {
+  int at_a = h->a == g->a || h->a == g->b, at_b = h->b == g->a || h->b == g->b;
+  double u[3], w[3], n[3], share = 1;
+  tet_minus(at(r, g->b), at(r, g->a), u);
+  tet_minus(at(r, p), at(r, g->a), w);
+  if (at_a || at_b) {
+    double t = tet_place_on(&r->st->points, h, p);
+    tet_minus(at(r, h->b), at(r, h->a), w);
+    share = at_a ? t : 1 - t;
+  }
+  tet_cross(u, w, n);
+  return share * sqrt(tet_dot(n, n) / tet_dot(u, u));
+}
+
+/* Whether doubles can part what Steiner points subsegment e and p's segment need. Where not, and were they exact, each
+ * would be encroached by another's next point, a little off level, without an end that matters. */
+static tet_status check_apart(const recovery *r, uint32_t e, uint32_t p) {
+  const tet_segment *g = &r->st->surface.segment[r->st->surface.subseg_segment[e]], *h = segment_of(r, p);
+  const double *x = h ? at(r, p) : NULL;
+  if (!h || distance_to_line(r, g, h, p) >= APART * r->st->points.max_abs) return TET_OK;
+  return tet_fail(r->ctx, TET_E_ROUNDING,
+                  "the segments between vertices %u and %u and between %u and %u would need points closer than doubles are, "
+                  "near (%.17g, %.17g, %.17g)", g->a, g->b, h->a, h->b, x[0], x[1], x[2]);
+}
+
 /* In [-1, 1), by the number of the vertex to come. */
 static double scatter(const recovery *r) {
   return (double)((r->st->points.n + 0x9E3779B9u * r->st->attempt) * 2654435761u) * 0x1p-31 - 1;
@@ -199,9 +236,8 @@ static double scatter(const recovery *r) {
  * bundle of close segments would ask for one a little farther on the next. Where there is a
  * vertex level with p already, lines that cross beyond it are the reason: the middle. */
 static double level_place(const recovery *r, const tet_segment *g, double lo, double hi, uint32_t p) {
-  const tet_state *st = r->st;
-  if (p == TET_NONE || p < st->n_input || st->carrier[p - st->n_input].origin != TET_ORIGIN_SEGMENT) return NAN;
-  const tet_segment *h = &st->surface.segment[st->carrier[p - st->n_input].number];
+  const tet_segment *h = segment_of(r, p);
+  if (!h) return NAN;
   double u[3], w[3], to_p[3], across[3], apart = 0;
   tet_minus(at(r, g->b), at(r, g->a), u);
   tet_minus(at(r, h->b), at(r, h->a), w);
@@ -294,6 +330,7 @@ static tet_status split(recovery *r, uint32_t e) {
   const uint32_t *v = r->st->surface.subseg + 2 * (size_t)e;
   uint32_t p = TET_NONE;
   tet_status status = reference_point(r, v[0], v[1], &p);
+  if (status == TET_OK) status = check_apart(r, e, p);
   return status == TET_OK ? split_at(r, e, split_place(r, e, p)) : status;
 }
 

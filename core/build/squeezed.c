@@ -17,7 +17,10 @@
 #include "exact/predicates.h"
 #include "mesh/edge_map.h"
 
-enum { MOST_CAVITY = 4096 };
+enum { MOST_CAVITY = 512 };
+/* All searches together visit no more tetrahedra than so many for each tetrahedron, and so many more: plates that are
+ * hardly thicker than what matters have large cavities, and no point. */
+static const size_t SEARCHED = 64, SEARCHED_MORE = 100000;
 
 typedef struct squeezed {
   tet_state *st;
@@ -33,6 +36,7 @@ typedef struct squeezed {
   uint32_t search;     /* the number of the last one */
   uint32_t *cavity;    /* tetrahedra, in the order in which a search found them */
   size_t n_cavity, cap_cavity;
+  size_t n_searched;   /* tetrahedra in all searches before the last */
   uint32_t *border;    /* handles of the cavity's tetrahedra */
   size_t n_border, cap_border;
   uint32_t (*old)[5];  /* [n_border] outward vertices, the handle beyond, the triangle */
@@ -85,6 +89,7 @@ static tet_status begin_search(squeezed *s) {
   if (status != TET_OK) return status;
   memset(s->mark + from, 0, (s->cap_mark - from) * sizeof *s->mark);
   s->search++;
+  s->n_searched += s->n_cavity;
   s->n_cavity = 0;
   return TET_OK;
 }
@@ -338,9 +343,10 @@ static tet_status prepare(squeezed *s) {
 tet_status tet_part_squeezed(tet_state *st, tet_pieces *p, uint32_t **tri, double least, double diagonal) {
   squeezed s = {.st = st, .ctx = st->ctx, .p = p, .tri = tri, .least = least};
   tet_status status = TET_OK;
+  size_t most = SEARCHED * p->n_tets + SEARCHED_MORE;
   for (int any = 1; any && status == TET_OK;) {
     any = 0;
-    for (uint32_t t = 0; t < p->n_tets && status == TET_OK; t++) {
+    for (uint32_t t = 0; t < p->n_tets && s.n_searched < most && status == TET_OK; t++) {
       /* what is between such a face and its facet is as thin */
       if (is_dead(&s, t) || width(&s, t) > 2 * least) continue;
       if (!s.on_facet) status = prepare(&s);
