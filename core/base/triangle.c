@@ -2,6 +2,7 @@
 /* triangle.c: distances from triangles, and their circumcentres. No sign is decided here. */
 #include "base/triangle.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "base/vector.h"
@@ -53,12 +54,25 @@ double tet_triangle_distance2(const double *a, const double *b, const double *c,
 }
 
 double tet_triangle_centre(const double u[3], const double w[3], double ret_centre[3]) {
-  double uu = tet_square(u), ww = tet_square(w), n[3], v[3];
-  tet_cross(u, w, n);
+  double most = 0, us[3], ws[3], n[3], v[3], c[3];
+  for (int i = 0; i < 3; i++) most = fmax(most, fmax(fabs(u[i]), fabs(w[i])));
+  if (!(most > 0) || isinf(most)) return 0;
+  int e;
+  frexp(most, &e);
+  if (e < -1000) e = -1000;
+  double scale = ldexp(0.5, -e); /* exact; no product of six lengths is too large then */
+  for (int i = 0; i < 3; i++) {
+    us[i] = scale * u[i];
+    ws[i] = scale * w[i];
+  }
+  double uu = tet_square(us), ww = tet_square(ws);
+  tet_cross(us, ws, n);
   double nn = tet_square(n);
-  if (!(nn > 0)) return nn;
-  for (int i = 0; i < 3; i++) v[i] = uu * w[i] - ww * u[i];
-  tet_cross(v, n, ret_centre);
-  for (int i = 0; i < 3; i++) ret_centre[i] /= 2 * nn;
-  return nn;
+  if (!(nn > 0)) return 0;
+  for (int i = 0; i < 3; i++) v[i] = uu * ws[i] - ww * us[i];
+  tet_cross(v, n, c);
+  for (int i = 0; i < 3; i++) c[i] /= 2 * nn * scale;
+  if (!isfinite(c[0]) || !isfinite(c[1]) || !isfinite(c[2])) return 0;
+  for (int i = 0; i < 3; i++) ret_centre[i] = c[i];
+  return fmax(ldexp(nn, 4 * (e + 1)), DBL_MIN);
 }

@@ -331,6 +331,18 @@ static void triangles_are_measured(void **state) {
   assert_true(centre[0] == 1.5 && centre[1] == 2 && centre[2] == 0);
   assert_float_equal(tet_triangle_centre(b, b, centre), 0, 0);
   assert_true(centre[0] == 1.5);
+  const double size[] = {0x1p-1060, 0x1p-600, 0x1p-200, 0x1p300, 0x1p498};
+  for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+    double u[3], w[3];
+    for (int k = 0; k < 3; k++) {
+      u[k] = size[i] * b[k];
+      w[k] = size[i] * c[k];
+    }
+    assert_true(tet_triangle_centre(u, w, centre) > 0);
+    assert_true(centre[0] == 1.5 * size[i] && centre[1] == 2 * size[i] && centre[2] == 0);
+  }
+  const double needle[2][3] = {{1e150, 0, 0}, {-1e150, 1e-250, 0}};
+  assert_float_equal(tet_triangle_centre(needle[0], needle[1], centre), 0, 0);
 }
 
 int main(void) {
