@@ -291,6 +291,7 @@ static tet_status fill_cavity(squeezed *s, uint32_t x) {
 /* Inserts x if it takes face h out. */
 static tet_status try_point(squeezed *s, uint32_t h, const double x[3], int *ret_done) {
   *ret_done = 0;
+  if (!tet_is_place(x)) return TET_OK;
   if (!is_inside_sphere(s, h >> 2, x) || !is_inside_sphere(s, s->p->adj[h] >> 2, x)) return TET_OK;
   tet_status status = find_cavity(s, h, x, ret_done);
   if (status == TET_OK && *ret_done) status = check_fill(s, x, ret_done);

@@ -11,6 +11,14 @@
 #include "exact/quick.h"
 #include "exact/tally.h"
 
+#include <math.h>
+
+int tet_is_place(const double x[3]) {
+  for (int i = 0; i < 3; i++)
+    if (!(fabs(x[i]) <= TET_COORDINATE_LIMIT)) return 0; /* or no number */
+  return 1;
+}
+
 static const double *xyz(const tet_points *p, uint32_t v) {
   return p->x + 3 * (size_t)v;
 }

@@ -23,6 +23,9 @@ extern "C" {
 /** 2^500: the largest |coordinate| that the predicates accept. */
 #define TET_COORDINATE_LIMIT 0x1p500
 
+/** Whether the predicates accept x: three numbers, none larger than that. */
+int tet_is_place(const double x[3]);
+
 /** Sign of det(b - a, c - a, d - a): positive for a positive tetrahedron. Never
  * perturbed (a perturbed orientation would make flat tetrahedra). */
 int tet_orient3d(const tet_points *p, uint32_t a, uint32_t b, uint32_t c, uint32_t d);

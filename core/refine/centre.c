@@ -45,15 +45,9 @@ static void exact_centre(const refiner *r, const uint32_t v[4], double ret[3]) {
   }
 }
 
-int refine_is_place(const double x[3]) {
-  for (int i = 0; i < 3; i++)
-    if (!(fabs(x[i]) <= TET_COORDINATE_LIMIT)) return 0; /* or NaN */
-  return 1;
-}
-
 /* 1 if x is in the circumball of the tetrahedron v, as its centre is. */
 static int is_within(const refiner *r, const uint32_t v[4], const double x[3]) {
-  return refine_is_place(x) &&
+  return tet_is_place(x) &&
          tet_insphere_xyz(refine_x(r, v[0]), refine_x(r, v[1]), refine_x(r, v[2]), refine_x(r, v[3]), x) > 0;
 }
 

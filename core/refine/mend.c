@@ -42,6 +42,7 @@ static uint32_t gain(const refiner *r) {
 static tet_status look(refiner *r, uint32_t t, const double x[3], uint32_t *ret_gain) {
   int ok = 0;
   *ret_gain = 0;
+  if (!tet_is_place(x)) return TET_OK;
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
   if (tet_complex_conflict(&r->mesh, t, r->points.n - 1)) {
@@ -126,6 +127,7 @@ tet_status refine_mend(refiner *r) {
   uint32_t t;
   int sliver;
   tet_status status = refine_remove_points(r);
+  r->strict = 1; /* no rule comes after that would heal a face */
   r->watch_slivers = r->o.min_dihedral > 0;
   while (!status && refine_next_tet(r, &t, &shape, &sliver)) continue; /* all are queued anew, once each */
   for (t = 0; t < r->mesh.n_slots && !status; t++) {

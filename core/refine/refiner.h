@@ -340,7 +340,6 @@ tet_status refine_set_bounds(refiner *r);
 tet_status refine_measure_border(refiner *r);
 
 /* centre.c */
-int refine_is_place(const double x[3]); /* whether coordinates may be so: not NaN, not too large */
 void refine_circumcentre(const refiner *r, uint32_t t, const refine_shape *s, double ret[3]);
 
 /* queue.c */

@@ -206,6 +206,7 @@ static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_
   if (r->sub_seg[at] != TET_NONE) return refine_split_seg(r, r->sub_seg[at], TET_NONE, cause, ret);
   const refine_patch *plane = &r->patch[r->sub_patch[s]];
   into_plane(r, plane, x);
+  if (!tet_is_place(x)) return TET_OK;
   tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, plane->facet);
   return status ? status : try_centre(r, s, s, cause, ret);
 }
@@ -215,7 +216,7 @@ tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_o
   uint32_t at, seg, old[3];
   *ret = OUTCOME_REJECTED;
   if (!(cause == CAUSE_VERTEX && opposite(r, s, x)) && !centre_of(r, s, x)) return TET_OK;
-  if (!refine_is_place(x)) return TET_OK; /* of a size that products of its lengths have no doubles */
+  if (!tet_is_place(x)) return TET_OK; /* of a size that products of its lengths have no doubles */
   memcpy(old, r->sub_v + 3 * (size_t)s, sizeof old);
   tet_status status = refine_add_point(r, x, TET_ORIGIN_FACET, r->patch[r->sub_patch[s]].facet);
   if (status) return status;

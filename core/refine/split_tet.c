@@ -28,13 +28,6 @@ static tet_status split_hits(refiner *r, refine_outcome *ret) {
   return status;
 }
 
-/* 0: the centre of a tetrahedron so flat or small that doubles hold none. */
-static int is_place(const double x[3]) {
-  int so = 1;
-  for (int i = 0; i < 3; i++) so &= fabs(x[i]) <= TET_COORDINATE_LIMIT; /* false for NaN */
-  return so;
-}
-
 /* What a candidate is tried for: itself, what it encroaches upon, or either. */
 typedef enum attempt { POINT_ONLY, INSTEAD_ONLY, POINT_OR_INSTEAD } attempt;
 
@@ -43,7 +36,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt w
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   *ret = OUTCOME_REJECTED;
   r->hit_segs.n = r->hit_subs.n = 0;
-  if (!is_place(x)) {
+  if (!tet_is_place(x)) { /* the centre of a tetrahedron so flat or small that doubles hold none */
     r->result.rejected.outside++;
     return TET_OK;
   }
