@@ -33,6 +33,7 @@ enum { TET_UNSURE = 2 };
 #define TET_QUICK_INSPHERE_ROW 0x1p-200 /* squared */
 #define TET_QUICK_ORIENT3D_ROW 0x1p-300
 #define TET_QUICK_INSPHERE (32.1 * (18 * TET_FILTER_UNIT) * (18 * TET_FILTER_UNIT))
+#define TET_QUICK_DOT (1.01 * (8 * TET_FILTER_UNIT) * (8 * TET_FILTER_UNIT))
 #define TET_QUICK_ORIENT3D (2.01 * (10 * TET_FILTER_UNIT) * (10 * TET_FILTER_UNIT))
 
 /* The sign of a determinant of value `det` and squared error `limit`, multiple of `grain`; or
@@ -145,6 +146,17 @@ static inline int tet_quick_side(const tet_quick_plane *plane, const double *d) 
   double s = tet_square(r);
   return tet_quick_sign(tet_dot3(plane->normal, r), plane->limit * s + TET_QUICK_LEAST,
                         plane->is_normal & (s > TET_QUICK_ORIENT3D_ROW), 0);
+}
+
+/* tet_dot_sign_xyz, or TET_UNSURE: a sum of products p_i q_i is off by at most 7 u sum |p_i q_i| (filter.h), and that
+ * sum at most |p| |q|. */
+static inline int tet_quick_dot(const double *a, const double *b, const double *c) {
+  double r[6];
+  tet_minus(a, c, r);
+  tet_minus(b, c, r + 3);
+  double s0 = tet_square(r), s1 = tet_square(r + 3);
+  return tet_quick_sign(tet_dot3(r, r + 3), TET_QUICK_DOT * s0 * s1 + TET_QUICK_LEAST,
+                        tet_smaller(s0, s1) > TET_QUICK_ORIENT3D_ROW, 0);
 }
 
 /* The value of the determinant of tet_orient3d_xyz, however wrong. */

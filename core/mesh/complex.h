@@ -162,6 +162,10 @@ tet_status tet_complex_fill(tet_complex *c);
  * circumsphere: those that are not locally Delaunay. */
 tet_status tet_complex_count_broken(const tet_complex *c, uint64_t *ret_n);
 
+/* The first slot from t on with a face, walls aside, whose apex beyond is not outside for certain, or c->n_slots. Of the
+ * two sides of a face the one with the lower handle counts. */
+uint32_t tet_complex_next_doubtful(const tet_complex *c, uint32_t t);
+
 /* Removes vertex p: its star is filled with the Delaunay tetrahedra of its link, under
  * the same perturbation, so that the complex is that of the other vertices. Errors:
  * TET_E_DEGENERATE where the others span no volume (nothing is changed); limits. */

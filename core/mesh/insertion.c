@@ -248,10 +248,15 @@ static inline uint32_t place_of(tet_complex *c, uint32_t v, uint32_t *n_round) {
 }
 
 /* Joins the new tetrahedra: each edge of the border is passed once in either direction, and the
- * faces above the two passages meet; but for an open border, where one may be missing. */
-static inline __attribute__((always_inline)) void join_small(tet_complex *c, const uint32_t *slot, int is_open) {
+ * faces above the two passages meet; but for an open border, where one may be missing. 0: that has too many vertices,
+ * and nothing is done. */
+static inline __attribute__((always_inline)) int join_small(tet_complex *c, const uint32_t *slot, int is_open) {
   uint32_t n_round = 0;
   for (size_t k = 0; k < c->n_border; k++) {
+    if (is_open && n_round + 3 > TET_SMALL_STAR) {
+      while (n_round--) c->place[c->round[n_round]] = 0;
+      return 0;
+    }
     const tet_border *b = &c->border[k];
     const uint8_t *f = tet_face[b->inner & 3];
     uint32_t place[3];
@@ -275,6 +280,7 @@ static inline __attribute__((always_inline)) void join_small(tet_complex *c, con
     for (size_t m = 0; m < 3; m++) c->adj[4 * (size_t)slot[k] + f[(m + 2) % 3]] = (&c->edge[0][0])[c->back[3 * k + m]];
   }
   for (uint32_t k = 0; k < n_round; k++) c->place[c->round[k]] = 0;
+  return 1;
 }
 
 /* The same by hashing edges, for any number of vertices. map.mask + 1 slots, twice the edges. */
@@ -298,11 +304,10 @@ static void join_large(tet_complex *c, const uint32_t *slot) {
   }
 }
 
-/* A closed surface of triangles has two of them for each vertex but two, an open one no more
- * vertices than triangles and two. */
-static int is_small(const tet_complex *c) {
-  return (c->is_walled ? c->n_border : c->n_border / 2) + 2 <= TET_SMALL_STAR;
-}
+/* A closed surface of triangles has two of them for each vertex but two; an open one may have more vertices, but
+ * no more than triangles and two. */
+static int is_small(const tet_complex *c) { return c->n_border / 2 + 2 <= TET_SMALL_STAR; }
+static int is_small_if_open(const tet_complex *c) { return c->n_border + 5 <= TET_SMALL_STAR; }
 
 /* Memory for join_large. */
 static tet_status make_map(tet_complex *c) {
@@ -329,8 +334,7 @@ static inline __attribute__((always_inline)) void fill(tet_complex *c, kind in) 
     tet_set_flag(c, b->outer >> 2, in == SHARED ? tet_flag(c, b->outer >> 2) & TET_OWNER_BITS : 0);
     c->adj[b->outer] = h;
   }
-  if (is_small(c)) join_small(c, slot, in == WALLED);
-  else join_large(c, slot);
+  if (!is_small(c) || !join_small(c, slot, in == WALLED)) join_large(c, slot);
   for (size_t k = c->n_border; k < c->n_cavity; k++) tet_complex_delete(c, slot[k]);
   c->last = slot[0];
   for (size_t k = 0; c->at && k < c->n_border; k++)
@@ -343,7 +347,7 @@ static inline __attribute__((always_inline)) void fill(tet_complex *c, kind in) 
 static tet_status prepare(tet_complex *c) {
   size_t have = c->n_cavity;
   tet_status status = tet_grow(c->ctx, &c->cavity, &c->cap_cavity, c->n_border, sizeof *c->cavity);
-  if (status == TET_OK && !is_small(c)) status = make_map(c);
+  if (status == TET_OK && !(c->is_walled ? is_small_if_open(c) : is_small(c))) status = make_map(c);
   if (status == TET_OK && c->keep_old)
     status = tet_grow(c->ctx, &c->old, &c->cap_old, c->n_cavity, sizeof *c->old);
   for (; have < c->n_border && status == TET_OK; have += status == TET_OK)

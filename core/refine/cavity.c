@@ -327,23 +327,26 @@ static tet_status list_again(refiner *r) {
 tet_status refine_cavity_vertices(refiner *r) {
   refine_cavity *c = &r->cavity;
   const tet_complex *m = &r->mesh;
-  uint32_t now = ++r->stamp_now;
-  tet_status status = TET_OK;
-  c->vertices.n = 0;
+  uint32_t now = ++r->stamp_now, *stamp = r->stamp, n = 0;
+  tet_status status = tet_grow(r->ctx, &c->vertices.at, &c->vertices.cap, 3 * m->n_border + 1, sizeof *c->vertices.at);
+  if (status) return status;
+  uint32_t *at = c->vertices.at;
+  stamp[c->p] = now;
+  for (size_t k = 0; k < m->n_border; k++)
+    for (int j = 0; j < 4; j++) {
+      uint32_t v = m->border[k].v[j];
+      at[n] = v; /* overwritten where it is not new */
+      n += stamp[v] != now;
+      stamp[v] = now;
+    }
+  c->vertices.n = n;
   c->loses_vertex = 0;
   c->is_listed = 1;
-  r->stamp[c->p] = now;
-  for (size_t k = 0; k < m->n_border; k++)
-    for (int j = 0; j < 4 && !status; j++) {
-      uint32_t v = m->border[k].v[j];
-      if (r->stamp[v] == now) continue;
-      r->stamp[v] = now;
-      status = refine_push(r, &c->vertices, v);
-    }
-  for (size_t k = 0; k < m->n_cavity; k++)
-    for (size_t h = 4 * (size_t)m->cavity[k]; h < 4 * (size_t)m->cavity[k] + 4; h++)
-      c->loses_vertex |= r->stamp[m->v[h]] != now;
-  return status;
+  for (size_t k = 0; k < m->n_cavity; k++) {
+    const uint32_t *v = m->v + 4 * (size_t)m->cavity[k];
+    c->loses_vertex |= (stamp[v[0]] != now) | (stamp[v[1]] != now) | (stamp[v[2]] != now) | (stamp[v[3]] != now);
+  }
+  return TET_OK;
 }
 
 /* 1 if the cavity has both sides of a subface at a vertex made anew. */

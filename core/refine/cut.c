@@ -18,6 +18,7 @@
 #include "base/vector.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 
 static double distance(const refiner *r, uint32_t a, uint32_t b) {
@@ -54,16 +55,25 @@ static double beside(const refiner *r, uint32_t a, uint32_t b, uint32_t v, doubl
 
 enum { MOST_AROUND = 40 };
 
-/* The subfaces around a subsegment that a cut may concern: those at it, and what is joined to them by
- * edges that are no subsegments, the first of them. */
+/* A subsegment that a cut may encroach upon, as an edge of a subface around. */
+typedef struct side {
+  const double *a, *b;
+  uint32_t edge;
+  int price; /* 0: not known yet */
+} side;
+
+/* What a cut of a subsegment may concern: the subfaces at it, and what is joined to them by
+ * edges that are no subsegments, the first of them; of these the corners, but for its own ends, and the sides
+ * that do not wait to be split anyway. */
 typedef struct surroundings {
-  uint32_t e, n, sub[MOST_AROUND];
+  const double *a, *b; /* its ends */
+  uint32_t n, n_corners, n_sides, sub[MOST_AROUND], corner[3 * MOST_AROUND];
+  side side[3 * MOST_AROUND];
 } surroundings;
 
-static void look_around(const refiner *r, uint32_t e, surroundings *ret) {
+static void find_subfaces(const refiner *r, uint32_t e, surroundings *ret) {
   enum { MOST_AT = 8 };
   uint32_t h = r->seg_sub[e];
-  ret->e = e;
   ret->n = 0;
   if (h == TET_NONE) return;
   do {
@@ -77,6 +87,22 @@ static void look_around(const refiner *r, uint32_t e, surroundings *ret) {
       while (i < ret->n && ret->sub[i] != s) i++;
       if (i == ret->n && i < MOST_AROUND) ret->sub[ret->n++] = s;
     }
+}
+
+static void look_around(const refiner *r, uint32_t e, surroundings *ret) {
+  uint32_t a = r->seg_v[2 * (size_t)e], b = r->seg_v[2 * (size_t)e + 1];
+  find_subfaces(r, e, ret);
+  ret->a = refine_x(r, a);
+  ret->b = refine_x(r, b);
+  ret->n_corners = ret->n_sides = 0;
+  for (uint32_t k = 0; k < 3 * ret->n; k++) {
+    uint32_t s = ret->sub[k / 3], h = 3 * s + k % 3, v = r->sub_v[h], w = r->sub_v[3 * s + (k + 1) % 3];
+    uint32_t f = r->sub_seg[h], i = 0;
+    while (i < ret->n_corners && ret->corner[i] != v) i++;
+    if (i == ret->n_corners && v != a && v != b) ret->corner[ret->n_corners++] = v;
+    if (f == TET_NONE || f == e || r->seg_waiting[f]) continue;
+    ret->side[ret->n_sides++] = (side){.a = refine_x(r, v), .b = refine_x(r, w), .edge = h};
+  }
 }
 
 /* 1 if subface s has been cut at a corner, or will be: another cut there need not go on from it. */
@@ -96,25 +122,32 @@ static double over(const double *a, const double *b, const double *x) {
   return tet_dot(p, q);
 }
 
-/* What a cut at t costs: one for each subsegment that it would encroach upon and that does not wait
- * to be split anyway, one more for each subface beyond that has no other cut where the next could end,
- * and one for each half that is still encroached. */
-static int price(const refiner *r, const surroundings *around, double t) {
-  uint32_t a = r->seg_v[2 * (size_t)around->e], b = r->seg_v[2 * (size_t)around->e + 1];
-  const double *p = refine_x(r, a), *q = refine_x(r, b);
+/* What it costs to encroach upon a side: one, and one more for each subface beyond that has no other cut where
+ * the next could end. */
+static int price_of(const refiner *r, side *s) {
+  if (s->price) return s->price;
+  s->price = 1;
+  for (uint32_t g = r->ring[s->edge]; g != s->edge; g = r->ring[g]) s->price += !is_open(r, g / 3);
+  return s->price;
+}
+
+/* What a cut at t costs: the sides that it would encroach upon, and one for each half that is still
+ * encroached. Where that is above `most`, any number above it. */
+static int price(const refiner *r, surroundings *around, double t, int most) {
   double x[3];
-  int cost = 0, at_a = 0, at_b = 0;
-  for (int i = 0; i < 3; i++) x[i] = p[i] + t * (q[i] - p[i]);
-  for (uint32_t k = 0; k < 3 * around->n; k++) {
-    uint32_t s = around->sub[k / 3], h = 3 * s + k % 3, v = r->sub_v[h], w = r->sub_v[3 * s + (k + 1) % 3];
-    at_a |= v != a && v != b && over(p, x, refine_x(r, v)) < 0;
-    at_b |= v != a && v != b && over(x, q, refine_x(r, v)) < 0;
-    uint32_t f = r->sub_seg[h];
-    if (f == TET_NONE || f == around->e || r->seg_waiting[f] || over(refine_x(r, v), refine_x(r, w), x) >= 0) continue;
-    cost++;
-    for (uint32_t g = r->ring[h]; g != h; g = r->ring[g]) cost += !is_open(r, g / 3);
+  int at_a = 0, at_b = 0;
+  for (int i = 0; i < 3; i++) x[i] = around->a[i] + t * (around->b[i] - around->a[i]);
+  for (uint32_t k = 0; k < around->n_corners; k++) {
+    const double *v = refine_x(r, around->corner[k]);
+    at_a |= over(around->a, x, v) < 0;
+    at_b |= over(x, around->b, v) < 0;
   }
-  return cost + at_a + at_b;
+  int cost = at_a + at_b;
+  for (uint32_t k = 0; k < around->n_sides && cost <= most; k++) {
+    side *s = &around->side[k];
+    if (over(s->a, s->b, x) < 0) cost += price_of(r, s);
+  }
+  return cost;
 }
 
 /* From low to high the cheapest cut, of those the one nearest the middle. What it encroaches upon changes at the
@@ -125,18 +158,17 @@ static double best_cut(const refiner *r, uint32_t e, double low, double high, do
   surroundings around;
   look_around(r, e, &around);
   double best = fmin(fmax(0.5, low), high);
-  int least = price(r, &around, best);
+  int least = price(r, &around, best, INT_MAX);
   if (!least) return best;
-  for (uint32_t k = 0; k < 3 * around.n; k++) {
-    uint32_t v = r->sub_v[3 * (size_t)around.sub[k / 3] + k % 3];
-    if (v == a || v == b) continue;
-    double height2, foot = along(r, a, b, v, length, &height2);
+  for (uint32_t k = 0; k < around.n_corners; k++) {
+    double height2, foot = along(r, a, b, around.corner[k], length, &height2);
     const double place[4] = {foot - off, foot + off, sqrt(height2 + foot * foot),
                              1 - sqrt(height2 + (1 - foot) * (1 - foot))};
     for (int i = 0; i < 4; i++) {
       if (!(place[i] > low && place[i] < high)) continue;
-      int cost = price(r, &around, place[i]);
-      if (cost > least || (cost == least && fabs(place[i] - 0.5) >= fabs(best - 0.5))) continue;
+      int most = fabs(place[i] - 0.5) < fabs(best - 0.5) ? least : least - 1;
+      int cost = price(r, &around, place[i], most);
+      if (cost > most) continue;
       least = cost;
       best = place[i];
     }

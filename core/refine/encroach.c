@@ -2,11 +2,12 @@
 /* encroach.c: which subsegments and subfaces are encroached (3.1), with exact
  * signs on the stored doubles. On the sphere is not inside. In a locally Delaunay
  * mesh the apexes of the adjacent tetrahedra are all that need be looked at. */
+#include "exact/quick.h"
 #include "refine/refiner.h"
 
 #include <math.h>
 
-enum { NEAR = 128 }; /* tetrahedra of a cavity, from its start on */
+enum { NEAREST = 16, NEAR = 128 }; /* tetrahedra of a cavity, from its start on */
 
 /* Cosine of the angle at v over ab, about. */
 static double cosine_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) {
@@ -21,8 +22,14 @@ static double cosine_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) 
   return pq / sqrt(pp * qq);
 }
 
+/* 1 if v is in the diametric ball of ab. */
+static inline int is_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) {
+  int sign = tet_quick_dot(refine_x(r, a), refine_x(r, b), refine_x(r, v));
+  return (sign == TET_UNSURE ? tet_dot_sign(&r->points, a, b, v) : sign) < 0;
+}
+
 int refine_seg_hit_by(const refiner *r, uint32_t e, uint32_t vertex) {
-  return tet_dot_sign(&r->points, r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1], vertex) < 0;
+  return is_over(r, r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1], vertex);
 }
 
 int refine_sub_hit_by(const refiner *r, uint32_t s, uint32_t vertex) {
@@ -98,10 +105,9 @@ static tet_status collect(refiner *r, size_t from, int subfaces) {
     uint32_t t = r->mesh.cavity[k];
     if (!has_sides(r, t)) continue;
     const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-    for (int e = 0; e < 6 && r->tet_edges[t] & EDGES && !status; e++) {
-      uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-      if (!(r->tet_edges[t] >> e & 1) || tet_dot_sign(&r->points, a, b, c->p) >= 0) continue;
-      status = push_new(r, &r->hit_segs, refine_find_seg(r, a, b));
+    for (unsigned left = r->tet_edges[t] & EDGES; left && !status; left &= left - 1) {
+      const uint8_t *e = refine_edge[__builtin_ctz(left)];
+      if (is_over(r, v[e[0]], v[e[1]], c->p)) status = push_new(r, &r->hit_segs, refine_find_seg(r, v[e[0]], v[e[1]]));
     }
     for (uint32_t i = 0; i < 4 && subfaces && !r->hit_segs.n && r->hit_subs.n < MOST_TRIED && !status; i++) {
       uint32_t s = refine_sub_at(r, 4 * (size_t)t + i);
@@ -121,8 +127,7 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
   if (!(r->tet_edges[t] >> e & 1)) return TET_NONE;
   uint32_t a = v[refine_edge[e][0]], b = v[refine_edge[e][1]];
-  if (tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][0]]) >= 0 &&
-      tet_dot_sign(&r->points, a, b, v[refine_edge[5 - e][1]]) >= 0) return TET_NONE;
+  if (!is_over(r, a, b, v[refine_edge[5 - e][0]]) && !is_over(r, a, b, v[refine_edge[5 - e][1]])) return TET_NONE;
   return refine_find_seg(r, a, b);
 }
 
@@ -133,14 +138,14 @@ tet_status refine_collect_segs(refiner *r) {
 }
 
 /* Grows the cavity of p from `tet`, and collects what p hits. That of a circumcentre far off can have most of the
- * mesh: the search ends where the cavity is not going to be filled, as something near is hit, or `hits_alone`
+ * mesh: the search ends where the cavity is not going to be filled, as something near is hit, or hits alone
  * are asked for; what is hit farther off is not looked for. */
-tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, int hits_alone) {
-  size_t k = 0, seen = 0, end = hits_alone ? NEAR : SIZE_MAX;
+tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, refine_wanted wanted) {
+  size_t k = 0, seen = 0, end = wanted == WANT_HITS ? NEAR : SIZE_MAX;
   int more = 1;
   r->hit_segs.n = r->hit_subs.n = 0;
   tet_status status = refine_cavity_of_tet(r, p, tet);
-  for (size_t most = NEAR; more && most <= end && !r->hit_segs.n && !r->hit_subs.n && !status; most *= 2) {
+  for (size_t most = wanted == WANT_CAVITY ? NEAREST : NEAR; more && most <= end && !r->hit_segs.n && !r->hit_subs.n && !status; most *= 2) {
     status = tet_complex_grow_to(&r->mesh, p, most, &k, &more);
     if (!status) status = collect(r, seen, 1);
     seen = r->mesh.n_cavity;
@@ -150,8 +155,8 @@ tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, int hits_alo
 
 static tet_status queue_hit_segs(refiner *r, uint32_t n) {
   tet_status status = TET_OK;
-  for (int e = 0; e < 6 && !status; e++) {
-    uint32_t seg = refine_hit_seg(r, n, e);
+  for (unsigned left = r->tet_edges[n] & EDGES; left && !status; left &= left - 1) {
+    uint32_t seg = refine_hit_seg(r, n, __builtin_ctz(left));
     if (seg != TET_NONE) status = refine_queue_seg(r, seg);
   }
   return status;
@@ -159,11 +164,10 @@ static tet_status queue_hit_segs(refiner *r, uint32_t n) {
 
 /* Queues the subsegments and subfaces at the new tetrahedron n that are encroached. */
 static tet_status look_around(refiner *r, uint32_t n) {
-  if (!has_sides(r, n)) return TET_OK;
-  tet_status status = r->tet_edges[n] & EDGES ? queue_hit_segs(r, n) : TET_OK;
-  for (uint32_t h = 4 * n; h < 4 * n + 4 && !status; h++) {
-    uint32_t s = refine_sub_at(r, h);
-    if (s != TET_NONE && refine_sub_hit_by(r, s, r->mesh.v[h])) status = refine_queue_sub(r, s);
+  tet_status status = queue_hit_segs(r, n);
+  for (unsigned left = r->mesh.wall[n]; left && !status; left &= left - 1) {
+    uint32_t h = 4 * n + (uint32_t)__builtin_ctz(left), s = r->tet_sub[h];
+    if (refine_sub_hit_by(r, s, r->mesh.v[h])) status = refine_queue_sub(r, s);
   }
   return status;
 }
@@ -171,13 +175,14 @@ static tet_status look_around(refiner *r, uint32_t n) {
 /* Queues what the new tetrahedron n leaves to do: itself, and subsegments and
  * subfaces at it. */
 tet_status refine_look_at(refiner *r, uint32_t n) {
-  tet_status status = look_around(r, n);
+  tet_status status = has_sides(r, n) ? look_around(r, n) : TET_OK;
   return status ? status : refine_queue_tet(r, n);
 }
 
 /* The same for all that the last fill made. */
 tet_status refine_look_at_made(refiner *r) {
   tet_status status = TET_OK;
-  for (uint32_t k = 0; k < r->cavity.n_made && !status; k++) status = look_around(r, r->mesh.cavity[k]);
+  for (uint32_t k = 0; k < r->cavity.n_made && !status; k++)
+    if (has_sides(r, r->mesh.cavity[k])) status = look_around(r, r->mesh.cavity[k]);
   return status ? status : refine_queue_made(r);
 }

@@ -69,6 +69,27 @@ static tet_status fit_face(refiner *r, uint32_t h, uint32_t a, uint32_t b) {
   return r->mesh.adj[h] == TET_NONE ? tet_internal(r->ctx, "a cavity is folded") : TET_OK;
 }
 
+/* fit_face for all faces at p; most are none that it knows, as their edges have other ends than all of those. */
+static tet_status fit_faces(refiner *r) {
+  const refine_cavity *c = &r->cavity;
+  const tet_complex *m = &r->mesh;
+  uint32_t now = ++r->stamp_now;
+  for (uint32_t k = 0; k < c->rim.n; k++)
+    for (int j = 0; j < 2; j++) r->stamp[r->sub_v[3 * (size_t)c->rim_new.at[k] + j]] = now;
+  for (uint32_t k = 0; k < c->n_spokes; k++) r->stamp[c->spoke[k].a] = r->stamp[c->spoke[k].b] = now;
+  for (uint32_t k = 0; k < c->n_made; k++) {
+    const tet_border *b = &m->border[k];
+    const uint8_t *f = tet_face[b->inner & 3];
+    for (int j = 0; j < 3; j++) {
+      uint32_t h = 4 * m->cavity[k] + f[j], v = b->v[f[(j + 1) % 3]], w = b->v[f[(j + 2) % 3]];
+      if (m->adj[h] != TET_NONE && (r->stamp[v] != now || r->stamp[w] != now)) continue;
+      tet_status status = fit_face(r, h, v, w);
+      if (status) return status;
+    }
+  }
+  return TET_OK;
+}
+
 /* Gives the new tetrahedra what belongs to them. */
 static tet_status furnish(refiner *r) {
   refine_cavity *c = &r->cavity;
@@ -82,15 +103,7 @@ static tet_status furnish(refiner *r) {
     m->wall[n] = 0;
     if (carry->sub != TET_NONE) refine_take_sub(r, carry->sub, inner, 4 * n + (inner & 3));
   }
-  if (!c->rim.n && !c->n_spokes) return TET_OK;
-  tet_status status = TET_OK;
-  for (uint32_t k = 0; k < c->n_made; k++) {
-    const tet_border *b = &m->border[k];
-    const uint8_t *f = tet_face[b->inner & 3];
-    for (int j = 0; j < 3 && !status; j++)
-      status = fit_face(r, 4 * m->cavity[k] + f[j], b->v[f[(j + 1) % 3]], b->v[f[(j + 2) % 3]]);
-  }
-  return status;
+  return c->rim.n || c->n_spokes ? fit_faces(r) : TET_OK;
 }
 
 /* Swaps what follows edge handles g and h: joins or parts their rings. */

@@ -61,23 +61,27 @@ static int on_plane(const refiner *r, uint32_t v, uint32_t plane) {
   return at < end;
 }
 
-static int all_on_plane(const refiner *r, const uint32_t v[4], uint32_t plane) {
-  return on_plane(r, v[0], plane) && on_plane(r, v[1], plane) && on_plane(r, v[2], plane) && on_plane(r, v[3], plane);
+static inline int is_in_volume(const refiner *r, uint32_t v) {
+  return r->out->origin[v] == TET_ORIGIN_VOLUME && v >= r->n_first;
+}
+
+/* 1 if three vertices lie on facets of one plane. */
+static int all_on_plane(const refiner *r, const uint32_t v[3], uint32_t plane) {
+  return on_plane(r, v[0], plane) && on_plane(r, v[1], plane) && on_plane(r, v[2], plane);
 }
 
 /* 1 if four vertices, v[0] the one on the fewest polytopes, lie on facets of one plane, or
- * three of them on one segment. */
+ * three of them on one segment: those of v[0]. */
 int refine_is_flat(const refiner *r, const uint32_t v[4]) {
   uint8_t origin = r->out->origin[v[0]];
   uint32_t carrier = r->out->carrier[v[0]];
-  if (origin == TET_ORIGIN_FACET) return all_on_plane(r, v, r->facet_plane[carrier]);
-  if (origin == TET_ORIGIN_SEGMENT) {
-    int on = 0;
-    for (int i = 0; i < 4; i++) on += refine_on_segment(r, v[i], carrier);
-    if (on > 2) return 1;
-    for (uint32_t i = r->segment_facet_start[carrier]; i < r->segment_facet_start[carrier + 1]; i++)
-      if (all_on_plane(r, v, r->facet_plane[r->segment_facet[i]])) return 1;
-  }
+  int on = 0, off = is_in_volume(r, v[1]) || is_in_volume(r, v[2]) || is_in_volume(r, v[3]);
+  if (origin == TET_ORIGIN_FACET) return !off && all_on_plane(r, v + 1, r->facet_plane[carrier]);
+  if (origin != TET_ORIGIN_SEGMENT) return 0;
+  for (int i = 1; i < 4; i++) on += refine_on_segment(r, v[i], carrier);
+  if (on > 1) return 1;
+  for (uint32_t i = r->segment_facet_start[carrier]; i < r->segment_facet_start[carrier + 1] && !off; i++)
+    if (all_on_plane(r, v + 1, r->facet_plane[r->segment_facet[i]])) return 1;
   return 0;
 }
 
@@ -151,7 +155,8 @@ static int base_of(const refiner *r, uint32_t f, uint32_t ret[3]) {
 static int is_in_plane(const refiner *r, uint32_t f, const uint32_t base[3]) {
   for (uint32_t i = r->facet_vertex_start[f]; i < r->facet_vertex_start[f + 1]; i++) {
     uint32_t v = r->facet_vertex[i];
-    if (v < r->out->n_input && tet_orient3d(&r->points, base[0], base[1], base[2], v) != 0) return 0;
+    if (v >= r->out->n_input || v == base[0] || v == base[1] || v == base[2]) continue;
+    if (tet_orient3d(&r->points, base[0], base[1], base[2], v) != 0) return 0;
   }
   return 1;
 }

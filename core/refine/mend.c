@@ -46,7 +46,7 @@ static tet_status look(refiner *r, uint32_t t, const double x[3], uint32_t *ret_
   tet_status status = refine_add_point(r, x, TET_ORIGIN_VOLUME, TET_NONE);
   if (status) return status;
   if (tet_complex_conflict(&r->mesh, t, r->points.n - 1)) {
-    status = refine_grow_or_hit(r, r->points.n - 1, t, 0);
+    status = refine_grow_or_hit(r, r->points.n - 1, t, WANT_CAVITY);
     if (!status && !r->hit_segs.n && !r->hit_subs.n) status = refine_cavity_trim(r, &ok);
     if (!status && ok && !r->cavity.reshaped) *ret_gain = gain(r);
   }
@@ -127,11 +127,12 @@ tet_status refine_mend(refiner *r) {
   uint32_t t;
   int sliver;
   tet_status status = refine_remove_points(r);
+  int unwatched = refine_has_unwatched(r);
   r->strict = 1; /* no rule comes after that would heal a face */
   r->watch_slivers = r->o.min_dihedral > 0;
   while (!status && refine_next_tet(r, &t, &shape, &sliver)) continue; /* all are queued anew, once each */
   for (t = 0; t < r->mesh.n_slots && !status; t++) {
-    if (refine_alive(r, t)) status = refine_queue_tet(r, t);
+    if (refine_may_be_bad(r, t, unwatched)) status = refine_queue_tet(r, t);
     if (!status && (t & 4095) == 0) status = tet_poll(r->ctx);
   }
   while (!status && refine_next_tet(r, &t, &shape, &sliver)) {

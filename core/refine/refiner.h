@@ -95,6 +95,13 @@ typedef struct refine_list {
   size_t cap;
 } refine_list;
 
+/* What a candidate's cavity is grown for. */
+typedef enum refine_wanted {
+  WANT_CAVITY, /* to be filled: that something is hit is all there is to know of hits */
+  WANT_HITS,   /* to split one of these, the best of those near */
+  WANT_EITHER  /* to be filled, or to split the best of those near */
+} refine_wanted;
+
 /* What a new tetrahedron has from the one that its border face bounded. */
 typedef struct refine_carry {
   uint32_t sub, region;
@@ -234,6 +241,15 @@ static inline int refine_is_tet(const refiner *r, uint32_t t, const uint32_t v[4
   return refine_alive(r, t) && memcmp(v, r->mesh.v + 4 * (size_t)t, 4 * sizeof *v) == 0;
 }
 
+/* 1: there may be what is over a bound or a sliver, and was never queued, as nobody looked for such. */
+static inline int refine_has_unwatched(const refiner *r) {
+  return !r->watch_tets || (r->o.min_dihedral > 0 && !r->watch_slivers);
+}
+/* 0 if t is over no bound, and no sliver, as otherwise it would have been queued, or be unwatched. */
+static inline int refine_may_be_bad(const refiner *r, uint32_t t, int unwatched) {
+  return refine_alive(r, t) && (unwatched || r->tet_edges[t] & TET_QUEUED);
+}
+
 /* store.c: memory, and to and from the pieces. */
 tet_status refine_push(refiner *r, refine_list *list, uint32_t value);
 tet_status refine_reserve_tets(refiner *r, size_t n);
@@ -312,7 +328,7 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e);
 tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_segs(refiner *r);
-tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, int hits_alone);
+tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, refine_wanted wanted);
 tet_status refine_look_at(refiner *r, uint32_t n);
 tet_status refine_look_at_made(refiner *r);
 

@@ -517,9 +517,9 @@ tet_status refine_remove(refiner *r, uint32_t p, uint32_t tet, int *ret_done) {
 
 /* Marks the vertices of what is over a bound. 0: there are none. */
 static int mark_faults(const refiner *r, uint8_t *marked) {
-  int some = 0;
+  int some = 0, unwatched = refine_has_unwatched(r);
   for (uint32_t t = 0; t < r->mesh.n_slots; t++) {
-    if (!refine_alive(r, t)) continue;
+    if (!refine_may_be_bad(r, t, unwatched)) continue;
     refine_faults own = {0, 0, 0};
     refine_count_faults(r, r->mesh.v + 4 * (size_t)t, r->tet_region[t], &own);
     if (!own.over && !own.slivers) continue;

@@ -393,6 +393,8 @@ tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done) {
   r->forcing = 1;
   for (uint32_t h = 0; h < 4 * r->mesh.n_slots && !status; h++) {
     int done = 0;
+    if (!(h & 3)) h = 4 * tet_complex_next_doubtful(&r->mesh, h / 4);
+    if (h == 4 * r->mesh.n_slots) break;
     if (r->mesh.adj[h] < h || !is_broken(r, h)) continue;
     status = split_at(r, h >> 2, &done);
     if (!status && !done && is_broken(r, h)) status = split_at(r, r->mesh.adj[h] >> 2, &done);
@@ -406,6 +408,8 @@ tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done) {
 tet_status refine_repair_all(refiner *r) {
   tet_status status = TET_OK;
   for (uint32_t h = 0; h < 4 * r->mesh.n_slots && !status; h++) {
+    if (!(h & 3)) h = 4 * tet_complex_next_doubtful(&r->mesh, h / 4);
+    if (h == 4 * r->mesh.n_slots) break;
     if (r->mesh.adj[h] < h || !is_broken(r, h)) continue;
     status = refine_push(r, &r->suspects, h);
     if (!status) status = repair(r, 1);

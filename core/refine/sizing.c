@@ -45,6 +45,27 @@ static void widen(double box[6], const double *low, const double *high) {
   }
 }
 
+/* The elements with their places on the Hilbert curve, found for many at once. */
+static void list_elements(const refiner *r, box_tree *tree) {
+  enum { MANY = 64 };
+  double centre[3 * MANY];
+  uint64_t key[MANY];
+  uint32_t all = r->n_subs + r->n_segs, n = 0, done = 0;
+  tet_hilbert_box bound = tet_hilbert_bound(r->points.x, NULL, r->n_first);
+  for (uint32_t i = 0; i < all; i++) {
+    if (is_element(r, i)) {
+      uint32_t v[3];
+      element_corners(r, i, v);
+      double *c = centre + 3 * (size_t)(n - done);
+      for (int k = 0; k < 3; k++) c[k] = (refine_x(r, v[0])[k] + refine_x(r, v[1])[k] + refine_x(r, v[2])[k]) / 3;
+      tree->element[n++].value = i;
+    }
+    if (n - done < MANY && (i + 1 < all || n == done)) continue;
+    tet_hilbert_keys(&bound, centre, NULL, n - done, key);
+    for (uint32_t k = 0; done < n; k++) tree->element[done++].key = key[k];
+  }
+}
+
 static tet_status build_tree(refiner *r, box_tree *tree) {
   uint32_t n = 0, all = r->n_subs + r->n_segs, leaves = 1;
   for (uint32_t i = 0; i < all; i++) n += is_element(r, i);
@@ -55,15 +76,7 @@ static tet_status build_tree(refiner *r, box_tree *tree) {
   tree->element = tet_alloc(r->ctx, n, sizeof *tree->element);
   tree->box = tet_alloc(r->ctx, 2 * (size_t)leaves, sizeof *tree->box);
   if (!tree->element || !tree->box) return TET_E_MEMORY;
-  tet_hilbert_box bound = tet_hilbert_bound(r->points.x, NULL, r->n_first);
-  for (uint32_t i = 0, at = 0; i < all; i++) {
-    uint32_t v[3];
-    double c[3];
-    if (!is_element(r, i)) continue;
-    element_corners(r, i, v);
-    for (int k = 0; k < 3; k++) c[k] = (refine_x(r, v[0])[k] + refine_x(r, v[1])[k] + refine_x(r, v[2])[k]) / 3;
-    tree->element[at++] = (tet_keyed){tet_hilbert_key(&bound, c), i};
-  }
+  list_elements(r, tree);
   tet_sort_keyed(tree->element, n);
   for (uint32_t k = 0; k < 2 * leaves; k++)
     for (int i = 0; i < 3; i++) tree->box[k][i] = INFINITY, tree->box[k][3 + i] = -INFINITY;
@@ -78,7 +91,7 @@ static tet_status build_tree(refiner *r, box_tree *tree) {
   return TET_OK;
 }
 
-static double box_distance2(const double box[6], const double *x) {
+static inline double box_distance2(const double box[6], const double *x) {
   double sum = 0;
   for (int i = 0; i < 3; i++) {
     double d = x[i] < box[i] ? box[i] - x[i] : x[i] > box[3 + i] ? x[i] - box[3 + i] : 0;
@@ -97,13 +110,15 @@ static double element_distance2(const refiner *r, uint64_t id, uint32_t v, doubl
     double d = tet_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
     return d < least && !refine_on_segment(r, v, r->seg_of[id - r->n_subs]) ? d : least;
   }
-  double d = tet_triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
-  if (!(d < least)) return least;
-  if (!refine_on_facet(r, v, r->patch[r->sub_patch[id]].facet)) return d;
+  if (v != w[0] && v != w[1] && v != w[2]) {
+    double d = tet_triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
+    if (!(d < least)) return least;
+    if (!refine_on_facet(r, v, r->patch[r->sub_patch[id]].facet)) return d;
+  }
   for (int j = 0; j < 3; j++) {
     uint32_t e = r->sub_seg[3 * id + (unsigned)j];
-    if (e == TET_NONE || refine_on_segment(r, v, r->seg_of[e])) continue;
-    d = tet_edge_distance2(refine_x(r, w[j]), refine_x(r, w[(j + 1) % 3]), x);
+    if (e == TET_NONE || v == w[j] || v == w[(j + 1) % 3] || refine_on_segment(r, v, r->seg_of[e])) continue;
+    double d = tet_edge_distance2(refine_x(r, w[j]), refine_x(r, w[(j + 1) % 3]), x);
     if (d < least) least = d;
   }
   return least;
@@ -112,16 +127,25 @@ static double element_distance2(const refiner *r, uint64_t id, uint32_t v, doubl
 /* The least squared distance, below `least`, of vertex v from an element that
  * does not meet it. */
 static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, double least) {
-  uint32_t stack[96], n = 0;
+  struct {
+    uint32_t node;
+    double distance2;
+  } stack[96];
+  uint32_t n = 1;
   const double *x = refine_x(r, v);
-  stack[n++] = 0;
+  stack[0].node = 0;
+  stack[0].distance2 = 0;
   while (n) {
-    uint32_t k = stack[--n];
-    if (!(box_distance2(tree->box[k], x) < least)) continue;
+    uint32_t k = stack[--n].node;
+    if (!(stack[n].distance2 < least)) continue;
     if (k < tree->first_leaf) {
       double left = box_distance2(tree->box[2 * k + 1], x), right = box_distance2(tree->box[2 * k + 2], x);
-      stack[n++] = left < right ? 2 * k + 2 : 2 * k + 1; /* the nearer one comes off first */
-      stack[n++] = left < right ? 2 * k + 1 : 2 * k + 2;
+      for (int turn = 0; turn < 2; turn++) { /* the nearer one comes off first */
+        int is_right = (left < right) ^ turn;
+        stack[n].node = 2 * k + 1 + (uint32_t)is_right;
+        stack[n].distance2 = is_right ? right : left;
+        n += stack[n].distance2 < least;
+      }
       continue;
     }
     uint32_t from = (k - tree->first_leaf) * LEAF;

@@ -43,6 +43,21 @@ static int turn(const refiner *r, uint32_t h, uint32_t k, uint32_t *ret_rim, uin
   }
 }
 
+/* Stamps the vertices of replaced subfaces. */
+static void mark_replaced(refiner *r) {
+  uint32_t now = ++r->stamp_now;
+  for (uint32_t k = 0; k < r->cavity.subs.n; k++)
+    for (size_t h = 3 * (size_t)r->cavity.subs.at[k]; h < 3 * (size_t)r->cavity.subs.at[k] + 3; h++)
+      r->stamp[r->sub_v[h]] = now;
+}
+
+/* 0 if border face b shares its edge without its k-th vertex with no replaced subface, and so with nothing that a turn
+ * around it could find. */
+static int may_turn(const refiner *r, const tet_border *b, uint32_t k) {
+  const uint8_t *f = tet_face[b->inner & 3];
+  return r->stamp[b->v[f[(k + 1) % 3]]] == r->stamp_now && r->stamp[b->v[f[(k + 2) % 3]]] == r->stamp_now;
+}
+
 /* *ret_ok = 1 if the rim is one closed star in each patch, cut open at a split
  * subsegment alone, and every rim edge parts the border. Rounding can fold a
  * cavity at needles; such a one is not filled. Changes rim_new. */
@@ -64,9 +79,11 @@ tet_status refine_cavity_is_sound(refiner *r, int *ret_ok) {
     if ((y != a && y != b && after != 1) || (x != a && x != b && before != 1)) *ret_ok = 0;
     status = refine_push(r, &c->rim_new, 0);
   }
+  mark_replaced(r);
   for (size_t q = 0; q < r->mesh.n_border && *ret_ok && !status; q++)
     for (uint32_t k = 0; k < 3 && *ret_ok; k++) {
       uint32_t rim, end;
+      if (!may_turn(r, &r->mesh.border[q], k)) continue;
       *ret_ok = turn(r, r->mesh.border[q].inner, k, &rim, &end);
       if (*ret_ok && rim != TET_NONE) c->rim_new.at[rim]++;
     }

@@ -28,11 +28,8 @@ static tet_status split_hits(refiner *r, refine_outcome *ret) {
   return status;
 }
 
-/* What a candidate is tried for: itself, what it encroaches upon, or either. */
-typedef enum attempt { POINT_ONLY, INSTEAD_ONLY, POINT_OR_INSTEAD } attempt;
-
 /* Inserts x for tetrahedron t, or splits instead what it encroaches upon. */
-static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt what, refine_outcome *ret) {
+static tet_status try_point(refiner *r, uint32_t t, const double x[3], refine_wanted wanted, refine_outcome *ret) {
   const uint32_t *corner = r->mesh.v + 4 * (size_t)t;
   *ret = OUTCOME_REJECTED;
   r->hit_segs.n = r->hit_subs.n = 0;
@@ -50,10 +47,10 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt w
   }
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
-  status = refine_grow_or_hit(r, p, t, what == INSTEAD_ONLY);
+  status = refine_grow_or_hit(r, p, t, wanted);
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
-  if (!hit && what != INSTEAD_ONLY) {
+  if (!hit && wanted != WANT_HITS) {
     int watched = refine_needs_sizes(r);
     if (watched) status = refine_cavity_vertices(r);
     if (status) return status;
@@ -72,7 +69,7 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], attempt w
   }
   refine_cavity_clear(r);
   refine_drop_point(r);
-  return hit && what != POINT_ONLY ? split_hits(r, ret) : TET_OK;
+  return hit && wanted != WANT_CAVITY ? split_hits(r, ret) : TET_OK;
 }
 
 /* The shortest edge of t. */
@@ -174,10 +171,10 @@ static tet_status split_wall(refiner *r, uint32_t t, uint32_t wall, const double
   tet_status status = refine_split_sub(r, wall, CAUSE_CENTRE, ret);
   *ret_kept = *ret == OUTCOME_REJECTED && protected != r->result.rejected.protected_ball;
   if (status || *ret_kept || *ret != OUTCOME_REJECTED) return status;
-  status = try_point(r, t, centre, INSTEAD_ONLY, ret);
+  status = try_point(r, t, centre, WANT_HITS, ret);
   if (!status && noise != r->result.rejected.outside) {
     face_centre(r, t, x);
-    status = try_point(r, t, x, INSTEAD_ONLY, ret);
+    status = try_point(r, t, x, WANT_HITS, ret);
   }
   *ret_kept = *ret == OUTCOME_REJECTED && protected != r->result.rejected.protected_ball;
   return status;
@@ -187,13 +184,13 @@ static tet_status split_wall(refiner *r, uint32_t t, uint32_t wall, const double
 static tet_status split_volume(refiner *r, uint32_t t, double shortest2, const double centre[3], refine_outcome *ret) {
   double x[3];
   tet_status status = TET_OK;
-  if (off_centre(r, t, centre, x)) status = try_point(r, t, x, POINT_ONLY, ret);
+  if (off_centre(r, t, centre, x)) status = try_point(r, t, x, WANT_CAVITY, ret);
   uint64_t noise = r->result.rejected.outside;
-  if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, POINT_OR_INSTEAD, ret);
+  if (!status && *ret == OUTCOME_REJECTED) status = try_point(r, t, centre, WANT_EITHER, ret);
   if (!status && noise != r->result.rejected.outside) {
     face_centre(r, t, x);
     refine_pick(r, shortest2, x);
-    status = try_point(r, t, x, POINT_OR_INSTEAD, ret);
+    status = try_point(r, t, x, WANT_EITHER, ret);
   }
   return status;
 }

@@ -51,6 +51,11 @@ static int exact_orient3d(const double x[15]) {
   return tet_exact_orient3d(ref);
 }
 
+static int exact_dot(const double x[15]) {
+  const tet_point_ref ref[3] = {tet_ref_xyz(x), tet_ref_xyz(x + 3), tet_ref_xyz(x + 6)};
+  return tet_exact_dot_sign(ref);
+}
+
 /* Counts what is unsure; fails on what is wrong. */
 static void check(int sign, int exact, uint32_t *unsure) {
   if (sign == TET_UNSURE) ++*unsure;
@@ -62,7 +67,7 @@ static void quick_signs_are_right(void **state) {
   uint64_t s = 4711;
   print_message("seed 4711\n");
   for (int kind = 0; kind < KINDS; kind++) {
-    uint32_t unsure[4] = {0};
+    uint32_t unsure[5] = {0};
     for (int round = 0; round < ROUNDS; round++) {
       double x[15];
       draw(&s, kind, x);
@@ -73,14 +78,16 @@ static void quick_signs_are_right(void **state) {
       check(tet_quick_orient3d(x, x + 3, x + 6, x + 9, points.grain3), side, &unsure[1]);
       tet_quick_plane plane = tet_quick_plane_of(x, x + 3, x + 6);
       check(tet_quick_side(&plane, x + 9), side, &unsure[2]);
+      check(tet_quick_dot(x, x + 3, x + 6), exact_dot(x), &unsure[4]);
 #if TET_HAVE_AVX2
       if (tet_has_avx2())
         check(tet_quick_insphere_avx2(x, x + 3, x + 6, x + 9, x + 12, points.grain5), inside, &unsure[3]);
 #endif
     }
-    print_message("kind %d: unsure of insphere %u, orient3d %u, side %u, insphere on AVX2 %u of %d\n", kind, unsure[0],
-                  unsure[1], unsure[2], unsure[3], ROUNDS);
-    if (kind == 0 || kind == 7) assert_true(unsure[0] + unsure[1] + unsure[2] + unsure[3] < ROUNDS / 1000);
+    print_message("kind %d: unsure of insphere %u, orient3d %u, side %u, insphere on AVX2 %u, dot %u of %d\n", kind, unsure[0],
+                  unsure[1], unsure[2], unsure[3], unsure[4], ROUNDS);
+    if (kind == 0 || kind == 7)
+      assert_true(unsure[0] + unsure[1] + unsure[2] + unsure[3] + unsure[4] < ROUNDS / 1000);
     if (kind == 1) assert_true(unsure[0] < ROUNDS / 2); /* with the grain ties are known */
   }
 }
@@ -110,6 +117,8 @@ static void extremes_are_unsure(void **state) {
     assert_true(sign == TET_UNSURE || sign == exact);
     sign = tet_quick_orient3d(x, x + 3, x + 6, x + 9, 0);
     assert_true(sign == TET_UNSURE || sign == exact_orient3d(x));
+    sign = tet_quick_dot(x + 3, x + 6, x);
+    assert_true(sign == TET_UNSURE || sign == exact_dot((const double[15]){scales[i], 0, 0, 0, scales[i]}));
   }
 }
 
