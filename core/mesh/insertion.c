@@ -97,74 +97,109 @@ static inline __attribute__((always_inline)) int in_conflict(const tet_complex *
   return __builtin_expect(sign & 1, 1) ? sign > 0 : slow_conflict(c, t, p, sign);
 }
 
-/* Adds face i of t, with vertices v, to the border. */
-static inline void add_border(tet_complex *c, uint32_t t, uint32_t i, const uint32_t *v, uint32_t outer, uint32_t p) {
-  tet_border *b = &c->border[c->n_border++];
-  for (int j = 0; j < 4; j++) b->v[j] = v[j];
-  b->v[i] = p;
-  b->outer = outer;
-  b->inner = 4 * t + i;
-}
-
-/* Has the memory around t, which is looked at next, brought near. */
-static inline void look_ahead(const tet_complex *c, uint32_t t) {
-  for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4; h++) {
-    __builtin_prefetch(c->v + (c->adj[h] & ~3u));
-    __builtin_prefetch(c->flag + (c->adj[h] >> 2));
-  }
-}
-
 /* 1 if a tetrahedron with these flags is to be tested: this thread's and not yet met. */
 static inline __attribute__((always_inline)) int is_new(const tet_complex *c, uint8_t flags, kind in) {
   return in == SHARED ? c->mine[flags] : in == WALLED ? !(flags & SEARCH) : flags == 0;
 }
 
-/* Goes on with the search for the cavity of p from its *k-th tetrahedron. */
+static inline __attribute__((always_inline)) uint32_t walls_of(const tet_complex *c, uint32_t t, kind in) {
+  return in == WALLED ? c->wall[t] : 0;
+}
+
+/* What is beyond face i of t; t itself beyond a wall. */
+static inline __attribute__((always_inline)) uint32_t beyond(const tet_complex *c, uint32_t t, uint32_t i, uint32_t wall) {
+  uint32_t o = c->adj[4 * (size_t)t + i] >> 2;
+  return wall >> i & 1 ? t : o;
+}
+
+/* Marks what is beyond the faces of some tetrahedra of the cavity and was not met before, and lists it. Returns 1 if
+ * there is something of another thread's. */
+static inline __attribute__((always_inline)) int meet(tet_complex *c, const uint32_t *some, size_t n, uint32_t *met,
+                                                      uint32_t *ret_n, kind in) {
+  uint32_t n_met = 0;
+  int elsewhere = 0;
+  for (size_t k = 0; k < n; k++) {
+    uint32_t t = some[k], wall = walls_of(c, t, in);
+#pragma GCC unroll 4
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t o = beyond(c, t, i, wall);
+      uint8_t f = tet_flag(c, o);
+      if (in == SHARED && !c->mine[f & TET_OWNER_BITS]) {
+        elsewhere = 1;
+        continue;
+      }
+      uint32_t new = (uint32_t)is_new(c, f, in);
+      tet_set_flag(c, o, (uint8_t)(f | TET_FLAG_MARK * new));
+      __builtin_prefetch(c->v + 4 * (size_t)o);
+      met[n_met] = o; /* overwritten if it is not new */
+      n_met += new;
+    }
+  }
+  *ret_n = n_met;
+  return elsewhere;
+}
+
+/* Tests what was met, and adds to the cavity what is in conflict. Returns 1 if another thread would have to be asked. */
+static inline __attribute__((always_inline)) int test(tet_complex *c, const uint32_t *met, uint32_t n_met, uint32_t p,
+                                                      tet_quick_look *look, kind in) {
+  for (uint32_t k = 0; k < n_met; k++) {
+    uint32_t o = met[k];
+    int conflict = in_conflict(c, o, p, look);
+    if (in == SHARED && conflict == UNASKED) return 1;
+    tet_set_flag(c, o, tet_flag(c, o) ^ (uint8_t)(SEARCH * conflict)); /* not marked any more, but of the cavity */
+    c->cavity[c->n_cavity] = o;
+    c->n_cavity += (size_t)conflict;
+    __builtin_prefetch(c->adj + 4 * (size_t)o);
+  }
+  return 0;
+}
+
+/* Adds to the border those faces of some tetrahedra of the cavity that are walls, or that nothing of it is beyond. */
+static inline __attribute__((always_inline)) void add_border(tet_complex *c, const uint32_t *some, size_t n, uint32_t p,
+                                                             kind in) {
+  tet_border *b = c->border + c->n_border;
+  for (size_t k = 0; k < n; k++) {
+    uint32_t t = some[k], wall = walls_of(c, t, in);
+    const uint32_t *v = c->v + 4 * (size_t)t;
+#pragma GCC unroll 4
+    for (uint32_t i = 0; i < 4; i++) {
+      uint32_t o = beyond(c, t, i, wall);
+      memcpy(b->v, v, sizeof b->v);
+      b->v[i] = p;
+      b->outer = c->adj[4 * (size_t)t + i];
+      b->inner = 4 * t + i;
+      __builtin_prefetch(c->adj + 4 * (size_t)o, 1);
+      b += (wall >> i & 1) | !(tet_flag(c, o) & TET_FLAG_CAVITY); /* else overwritten */
+    }
+  }
+  c->n_border = (size_t)(b - c->border);
+}
+
+/* Takes the marks of a search away from t; what is one thread's has no others. */
+static inline void end_search(tet_complex *c, uint32_t t) {
+  tet_set_flag(c, t, c->pool ? tet_flag(c, t) & TET_OWNER_BITS : 0);
+}
+
+/* Goes on with the search for the cavity of p from its *k-th tetrahedron: some are looked at together, first for what is
+ * beside them, then for what of that is in conflict, then for which of their faces are border. So no branch waits for
+ * a test, as nobody can foretell what comes out. */
 static inline __attribute__((always_inline)) outcome search(tet_complex *c, size_t *k, uint32_t p, tet_quick_look *look,
                                                             kind in) {
-  const uint32_t *adj = c->adj;
-  for (; *k < c->n_cavity; ++*k) {
-    if (c->cap_cavity - c->n_cavity < STEP || c->cap_border - c->n_border < STEP) return ROOM;
-    uint32_t t = c->cavity[*k], wall = in == WALLED ? c->wall[t] : 0;
-    const uint32_t *v = c->v + 4 * (size_t)t;
-    uint32_t handle[4], untested[4], n_untested = 0;
-    int8_t conflict[4];
-    for (uint32_t i = 0; i < 4; i++) {
-      handle[i] = adj[4 * (size_t)t + i];
-      if (!(wall >> i & 1)) __builtin_prefetch(c->v + (handle[i] & ~3u));
+  enum { MANY = 16 };
+  uint32_t met[STEP * MANY], n_met;
+  while (*k < c->n_cavity) {
+    size_t room = c->cap_cavity - c->n_cavity, border_room = c->cap_border - c->n_border, n = c->n_cavity - *k;
+    if (room < STEP || border_room < STEP) return ROOM;
+    if (n > room / STEP) n = room / STEP;
+    if (n > border_room / STEP) n = border_room / STEP;
+    if (n > MANY) n = MANY;
+    const uint32_t *some = c->cavity + *k;
+    if (meet(c, some, n, met, &n_met, in) || test(c, met, n_met, p, look, in)) {
+      while (n_met--) end_search(c, met[n_met]);
+      return ELSEWHERE;
     }
-    if (*k + 1 < c->n_cavity) look_ahead(c, c->cavity[*k + 1]);
-    for (uint32_t i = 0; i < 4; i++) {
-      if (wall >> i & 1) continue;
-      untested[n_untested] = i;
-      n_untested += is_new(c, tet_flag(c, handle[i] >> 2), in);
-    }
-    for (uint32_t m = 0; m < n_untested; m++)
-      conflict[untested[m]] = (int8_t)in_conflict(c, handle[untested[m]] >> 2, p, look);
-    for (uint32_t i = 0; i < 4; i++) {
-      uint32_t h = handle[i], o = h >> 2;
-      if (wall >> i & 1) {
-        add_border(c, t, i, v, h, p);
-        continue;
-      }
-      uint8_t f = tet_flag(c, o);
-      if (is_new(c, f, in)) {
-        if (in == SHARED && conflict[i] == UNASKED) return ELSEWHERE;
-        if (conflict[i]) {
-          tet_set_flag(c, o, f | TET_FLAG_CAVITY);
-          c->cavity[c->n_cavity++] = o;
-          __builtin_prefetch(adj + 4 * (size_t)o);
-          continue;
-        }
-        tet_set_flag(c, o, f | TET_FLAG_MARK);
-      } else if (in == SHARED && !c->mine[f & TET_OWNER_BITS]) {
-        return ELSEWHERE;
-      } else if (f & TET_FLAG_CAVITY) {
-        continue;
-      }
-      __builtin_prefetch(adj + h, 1);
-      add_border(c, t, i, v, h, p);
-    }
+    add_border(c, some, n, p, in);
+    *k += n;
   }
   return DONE;
 }
@@ -204,11 +239,6 @@ static search_fn *search_for(const tet_complex *c, kind in) {
                                       {search_shared, search_shared_avx2}};
   if (c->points->first_implicit < c->points->n && in == ALONE) return search_any;
   return all[in][TET_HAVE_AVX2 && tet_has_avx2()];
-}
-
-/* Takes the marks of a search away from t; what is one thread's has no others. */
-static inline void end_search(tet_complex *c, uint32_t t) {
-  tet_set_flag(c, t, c->pool ? tet_flag(c, t) & TET_OWNER_BITS : 0);
 }
 
 void tet_complex_forget(tet_complex *c) {
