@@ -3,6 +3,8 @@
  * is cut says cut.c. */
 #include "refine/refiner.h"
 
+#include "base/vector.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -39,6 +41,23 @@ void refine_spend(refiner *r) {
   if (r->thin_points && refine_is_thin(r, r->points.n - 1)) r->thin_points--;
 }
 
+/* 1: some facet at subsegment e = ab, as wide there as its subface, is narrower than `least`, which rounding moves a
+ * point. */
+static int is_in_needle(const refiner *r, uint32_t e, const double *a, const double *b, double least) {
+  uint32_t first = r->seg_sub[e], h = first;
+  double along[3], d[3], n[3];
+  if (h == TET_NONE) return 0;
+  tet_minus(b, a, along);
+  double length2 = tet_square(along);
+  do {
+    tet_minus(refine_x(r, r->sub_v[h - h % 3 + (h + 2) % 3]), a, d);
+    tet_cross(along, d, n);
+    if (tet_square(n) < least * least * length2) return 1;
+    h = r->ring[h];
+  } while (h != first);
+  return 0;
+}
+
 tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause cause, refine_outcome *ret) {
   const uint32_t ends[2] = {r->seg_v[2 * (size_t)e], r->seg_v[2 * (size_t)e + 1]};
   const double *a = refine_x(r, ends[0]), *b = refine_x(r, ends[1]);
@@ -49,7 +68,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   }
   *ret = OUTCOME_REJECTED;
   double length = sqrt(length2), cut = refine_cut(r, e, by, length);
-  if (length < 64 * DBL_EPSILON * most) {
+  if (length < 64 * DBL_EPSILON * most || is_in_needle(r, e, a, b, 4 * DBL_EPSILON * most)) {
     r->result.rejected.too_short++;
     return TET_OK;
   }
