@@ -48,7 +48,25 @@ int refine_over_volume(const refiner *r, uint32_t region, double volume6) {
   return volume6 > 6 * r->max_volume[region] * REFINE_SLACK;
 }
 
-/* Squared cosine of the smallest dihedral angle, 1 for a flat tetrahedron: by the normals of
+/* 1 if four squares and their products are normal doubles. */
+static inline int are_usual(const double nn[4]) {
+  for (int i = 0; i < 4; i++)
+    if (!(nn[i] > 0x1p-450 && nn[i] < 0x1p450)) return 0;
+  return 1;
+}
+
+/* The normals, each brought to a largest coordinate of 1; 0 if one has no length, or none that is a double. */
+static int scale(double n[4][3], double nn[4]) {
+  for (int i = 0; i < 4; i++) {
+    double most = fmax(fabs(n[i][0]), fmax(fabs(n[i][1]), fabs(n[i][2])));
+    if (!(most > 0 && isfinite(most))) return 0;
+    for (int k = 0; k < 3; k++) n[i][k] /= most;
+    nn[i] = tet_square(n[i]);
+  }
+  return 1;
+}
+
+/* Squared cosine of the smallest dihedral angle, 1 for what is flat to doubles: by the normals of
  * the faces, which point inwards. */
 double refine_sharpest(const refiner *r, const uint32_t v[4]) {
   const double *o = refine_x(r, v[0]);
@@ -61,6 +79,7 @@ double refine_sharpest(const refiner *r, const uint32_t v[4]) {
   tet_cross(a, b, n[3]);
   for (int i = 0; i < 3; i++) n[0][i] = -(n[1][i] + n[2][i] + n[3][i]);
   for (int i = 0; i < 4; i++) nn[i] = tet_square(n[i]);
+  if (!are_usual(nn) && !scale(n, nn)) return 1;
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < i; j++) {
       double d = tet_dot(n[i], n[j]); /* minus the cosine, times the lengths */
