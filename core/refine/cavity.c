@@ -9,7 +9,7 @@ static void start(refiner *r, uint32_t p) {
   refine_cavity *c = &r->cavity;
   c->p = p;
   c->segment = c->sub = TET_NONE;
-  c->reshaped = c->restar = 0;
+  c->reshaped = c->restar = c->is_part = 0;
   c->is_listed = c->loses_vertex = 0;
   c->n_made = c->n_spokes = 0;
   c->removed.n = 0;
@@ -43,9 +43,15 @@ static tet_status add_needed(refiner *r, uint32_t t) {
   return add_tet(r, t, FLAG_NEEDED);
 }
 
-/* Both sides of every replaced subface, and unless `least` all in conflict from
+/* Grows the cavity on from what it has, and gives up where that is more than NEAR, or twice as much. */
+static tet_status grow_near(refiner *r) {
+  size_t most = 2 * r->mesh.n_cavity > NEAR ? 2 * r->mesh.n_cavity : NEAR, k = 0;
+  return tet_complex_grow_to(&r->mesh, r->cavity.p, most, &k, &r->cavity.is_part);
+}
+
+/* Both sides of every replaced subface, and of a whole cavity all in conflict from
  * there. */
-static tet_status add_sides(refiner *r, int least) {
+static tet_status add_sides(refiner *r, refine_extent extent) {
   refine_cavity *c = &r->cavity;
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < c->subs.n; k++)
@@ -53,8 +59,11 @@ static tet_status add_sides(refiner *r, int least) {
       uint32_t h = r->sub_side[2 * (size_t)c->subs.at[k] + side];
       if (h != TET_NONE) status = add_needed(r, h >> 2);
     }
-  c->reshaped |= least;
-  return status || least ? status : tet_complex_grow(&r->mesh, c->p);
+  c->reshaped |= extent == EXTENT_LEAST;
+  if (status || extent == EXTENT_LEAST || extent == EXTENT_BEGUN) return status;
+  status = extent == EXTENT_NEAR ? grow_near(r) : tet_complex_grow(&r->mesh, c->p);
+  r->searched += r->mesh.n_cavity;
+  return status;
 }
 
 static tet_status replace_sub(refiner *r, uint32_t s) {
@@ -103,19 +112,21 @@ static tet_status replace_flat(refiner *r) {
   return status;
 }
 
-/* The cavity of a point in `sub`; `least`: of no more than what it splits. */
-tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least) {
+/* The cavity of a point in `sub`. */
+tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, refine_extent extent) {
+  int least = extent == EXTENT_LEAST;
   start(r, p);
   r->cavity.sub = sub;
   tet_status status = replace_sub(r, sub);
   if (!status) status = replace_flat(r);
-  if (!status && !least) status = refine_facet_cavity_grow(r);
-  if (status) return status;
+  if (!status && !least) status = refine_facet_cavity_grow(r, extent);
+  if (status || r->cavity.is_part) return status;
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
-  return add_sides(r, least);
+  return add_sides(r, extent);
 }
 
-tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least) {
+tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, refine_extent extent) {
+  int least = extent == EXTENT_LEAST;
   tet_status status = TET_OK;
   start(r, p);
   r->cavity.segment = seg;
@@ -125,13 +136,13 @@ tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least)
     h = r->ring[h];
   } while (h != first);
   if (!status) status = replace_flat(r);
-  if (!status && !least) status = refine_facet_cavity_grow(r);
-  if (status) return status;
+  if (!status && !least) status = refine_facet_cavity_grow(r, extent);
+  if (status || r->cavity.is_part) return status;
   if (!least && !refine_facet_cavity_trim(r)) refine_facet_cavity_least(r);
   r->star.n = 0;
   status = refine_seg_star(r, seg, &r->star);
   for (uint32_t k = 0; k < r->star.n && !status; k++) status = add_needed(r, r->star.at[k]);
-  return status ? status : add_sides(r, least);
+  return status ? status : add_sides(r, extent);
 }
 
 static tet_status take_out(refiner *r, uint32_t t) {

@@ -7,8 +7,6 @@
 
 #include <math.h>
 
-enum { NEAREST = 16, NEAR = 128 }; /* tetrahedra of a cavity, from its start on */
-
 /* Cosine of the angle at v over ab, about. */
 static double cosine_over(const refiner *r, uint32_t a, uint32_t b, uint32_t v) {
   const double *x = refine_x(r, a), *y = refine_x(r, b), *z = refine_x(r, v);
@@ -131,26 +129,58 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e) {
   return refine_find_seg(r, a, b);
 }
 
-/* The first few subsegments at the grown cavity that its point encroaches upon. */
+/* 1 if rejected candidates have had so many tetrahedra searched that no more wide cavities are searched for such. That
+ * is for needles: there a cavity can have most of the mesh, and the accepting rule rejects most of what they ask
+ * for, so that time would go with the square of the points, and more, for tetrahedra that stay over the bound anyway. The
+ * share is about twice what inputs without a runaway were seen to need. */
+int refine_is_spent(const refiner *r) {
+  static const uint64_t least = 1000000, each = 500;
+  return r->in_vain > least + each * r->points.n;
+}
+
+/* 1 if what is not split nearby for this cause is not split; what an existing vertex forces always is. */
+int refine_gives_up(const refiner *r, refine_cause cause) { return cause == CAUSE_CENTRE && refine_is_spent(r); }
+
+/* Grows the cavity, and collects what its point hits, until something is, or `end` tetrahedra are searched. */
+static tet_status grow_or_hit(refiner *r, size_t most, size_t end, int subfaces) {
+  size_t k = 0, seen = 0;
+  int more = 1, hit = 0;
+  tet_status status = TET_OK;
+  r->hit_segs.n = 0;
+  if (subfaces) r->hit_subs.n = 0;
+  while (most < 2 * r->mesh.n_cavity) most *= 2; /* a begun one has some */
+  for (; more && most <= end && !hit && !status; most *= 2) {
+    status = tet_complex_grow_to(&r->mesh, r->cavity.p, most, &k, &more);
+    if (!status) status = collect(r, seen, subfaces);
+    hit = r->hit_segs.n || (subfaces && r->hit_subs.n);
+    seen = r->mesh.n_cavity;
+  }
+  r->searched += seen;
+  r->cavity.is_part = more && !hit;
+  return status;
+}
+
+/* Grows the begun cavity of a point in a subface, and collects subsegments that it encroaches upon. */
+tet_status refine_grow_or_hit_segs(refiner *r) {
+  enum { FAR = 4096 }; /* what is hit is looked for all over as many: to split the deepest takes fewest points */
+  return grow_or_hit(r, FAR, SIZE_MAX, 0);
+}
+
+/* The same for a cavity that is grown already, or was given up. */
 tet_status refine_collect_segs(refiner *r) {
   r->hit_segs.n = 0;
-  return collect(r, 0, 0);
+  tet_status status = collect(r, 0, 0);
+  r->cavity.is_part = r->cavity.is_part && !r->hit_segs.n;
+  return status;
 }
 
 /* Grows the cavity of p from `tet`, and collects what p hits. That of a circumcentre far off can have most of the
  * mesh: the search ends where the cavity is not going to be filled, as something near is hit, or hits alone
  * are asked for; what is hit farther off is not looked for. */
 tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, refine_wanted wanted) {
-  size_t k = 0, seen = 0, end = wanted == WANT_HITS ? NEAR : SIZE_MAX;
-  int more = 1;
-  r->hit_segs.n = r->hit_subs.n = 0;
   tet_status status = refine_cavity_of_tet(r, p, tet);
-  for (size_t most = wanted == WANT_CAVITY ? NEAREST : NEAR; more && most <= end && !r->hit_segs.n && !r->hit_subs.n && !status; most *= 2) {
-    status = tet_complex_grow_to(&r->mesh, p, most, &k, &more);
-    if (!status) status = collect(r, seen, 1);
-    seen = r->mesh.n_cavity;
-  }
-  return status;
+  size_t most = wanted == WANT_CAVITY ? NEAREST : NEAR, end = wanted == WANT_HITS || refine_is_spent(r) ? NEAR : SIZE_MAX;
+  return status ? status : grow_or_hit(r, most, end, 1);
 }
 
 static tet_status queue_hit_segs(refiner *r, uint32_t n) {

@@ -12,9 +12,11 @@ static int in_conflict(const refiner *r, uint32_t s, uint32_t p) {
 
 /* Adds the subfaces in conflict with p that are reached from those at hand
  * without crossing a subsegment. */
-tet_status refine_facet_cavity_grow(refiner *r) {
+tet_status refine_facet_cavity_grow(refiner *r, refine_extent extent) {
   refine_cavity *c = &r->cavity;
   for (uint32_t k = 0; k < c->subs.n; k++) {
+    c->is_part = extent == EXTENT_NEAR && c->subs.n > NEAR;
+    if (c->is_part) break;
     uint32_t s = c->subs.at[k];
     for (uint32_t h = 3 * s; h < 3 * s + 3; h++) {
       if (r->sub_seg[h] != TET_NONE) continue;
@@ -25,6 +27,7 @@ tet_status refine_facet_cavity_grow(refiner *r) {
       r->sub_mark[u] |= 1;
     }
   }
+  r->searched += c->subs.n;
   return TET_OK;
 }
 

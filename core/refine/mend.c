@@ -47,7 +47,7 @@ static tet_status look(refiner *r, uint32_t t, const double x[3], uint32_t *ret_
   if (status) return status;
   if (tet_complex_conflict(&r->mesh, t, r->points.n - 1)) {
     status = refine_grow_or_hit(r, r->points.n - 1, t, WANT_CAVITY);
-    if (!status && !r->hit_segs.n && !r->hit_subs.n) status = refine_cavity_trim(r, &ok);
+    if (!status && !r->hit_segs.n && !r->hit_subs.n && !r->cavity.is_part) status = refine_cavity_trim(r, &ok);
     if (!status && ok && !r->cavity.reshaped) *ret_gain = gain(r);
   }
   if (status || *ret_gain) return status;
@@ -118,7 +118,10 @@ static tet_status mend(refiner *r, uint32_t t) {
     tet_status status = p < r->n_first ? TET_OK : refine_remove(r, p, t, &done);
     if (status || done) return status;
   }
-  return mend_by_point(r, t);
+  uint64_t before = r->searched, points = r->points.n;
+  tet_status status = refine_is_spent(r) ? TET_OK : mend_by_point(r, t);
+  if (points == r->points.n) r->in_vain += r->searched - before;
+  return status;
 }
 
 /* Mends what can be. */
@@ -129,6 +132,7 @@ tet_status refine_mend(refiner *r) {
   tet_status status = refine_remove_points(r);
   int unwatched = refine_has_unwatched(r);
   r->strict = 1; /* no rule comes after that would heal a face */
+  r->in_vain = 0; /* a budget of its own */
   r->watch_slivers = r->o.min_dihedral > 0;
   while (!status && refine_next_tet(r, &t, &shape, &sliver)) continue; /* all are queued anew, once each */
   for (t = 0; t < r->mesh.n_slots && !status; t++) {

@@ -50,13 +50,25 @@ typedef enum refine_outcome {
   OUTCOME_REJECTED
 } refine_outcome;
 
+/* How far the cavity of a point on the boundary is grown. */
+typedef enum refine_extent {
+  EXTENT_WHOLE, /* all in conflict */
+  EXTENT_LEAST, /* no more than what the point splits */
+  EXTENT_BEGUN, /* that, to be grown from there (refine_grow_or_hit_segs) */
+  EXTENT_NEAR   /* all in conflict, and given up where that is more than NEAR, about */
+} refine_extent;
+
 /* What a first vertex is an end of. */
 enum {
   END_ACUTE = 1, /* segments below 60 degrees to each other */
   END_SHARP = 2  /* a sharp segment */
 };
 
-enum { MOST_TRIED = 8 }; /* subsegments or subfaces for one candidate, about */
+enum {
+  MOST_TRIED = 8, /* subsegments or subfaces for one candidate, about */
+  NEAREST = 16,   /* tetrahedra of a cavity, from its start on, */
+  NEAR = 128      /* and more of them, and subfaces */
+};
 
 typedef struct refine_patch {
   uint32_t facet;
@@ -127,6 +139,7 @@ typedef struct refine_cavity {
   uint32_t sub;          /* subface being split, or TET_NONE */
   int restar;            /* 1: p is a vertex already, its tetrahedra part of the cavity */
   int reshaped;          /* 1: not all of, or more than, the conflict region */
+  int is_part;           /* 1: the search for the conflict region was given up */
   uint32_t n_made;       /* after the fill: mesh.cavity has so many new tetrahedra */
   int is_listed;         /* 1: `vertices` are those of the border as it is */
   int loses_vertex;      /* 1: not all vertices of the cavity are on the border */
@@ -186,6 +199,7 @@ typedef struct refiner {
   double *segment_sine;          /* [segment] of its least sharp angle; 1: none is */
   uint8_t *facet_thin;           /* [facet] 1: at a dihedral angle of so small a sine as `thin` */
   uint64_t thin_points;          /* that may still be inserted there */
+  uint64_t searched, in_vain;    /* tetrahedra of all cavities; of those searched for what was not split */
   uint32_t n_sharp, n_wedges;    /* segments; those at sharp dihedral angles */
   uint8_t *segment_end;          /* [first vertices] bits: END_ACUTE, END_SHARP */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
@@ -301,14 +315,14 @@ int refine_cavity_is_exact(const refiner *r);
 /* cavity.c, facet_cavity.c, sound.c, fill.c */
 tet_status refine_cavity_of_tet(refiner *r, uint32_t p, uint32_t tet);
 tet_status refine_cavity_of_star(refiner *r, uint32_t p, uint32_t tet, int *ret_ok);
-tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, int least);
-tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, int least);
+tet_status refine_cavity_of_sub(refiner *r, uint32_t p, uint32_t sub, refine_extent extent);
+tet_status refine_cavity_of_seg(refiner *r, uint32_t p, uint32_t seg, refine_extent extent);
 tet_status refine_cavity_vertices(refiner *r);
 tet_status refine_cavity_trim(refiner *r, int *ret_ok);
 int refine_is_spoke(const refiner *r, uint32_t h);
 int refine_is_border(const refiner *r, uint32_t h);
 void refine_cavity_clear(refiner *r);
-tet_status refine_facet_cavity_grow(refiner *r);
+tet_status refine_facet_cavity_grow(refiner *r, refine_extent extent);
 int refine_facet_cavity_trim(refiner *r);
 void refine_facet_cavity_least(refiner *r);
 tet_status refine_facet_cavity_rim(refiner *r);
@@ -328,6 +342,9 @@ uint32_t refine_hit_seg(const refiner *r, uint32_t t, int e);
 tet_status refine_seg_encroached(refiner *r, uint32_t e, uint32_t *ret_by);
 int refine_sub_encroached(const refiner *r, uint32_t s);
 tet_status refine_collect_segs(refiner *r);
+tet_status refine_grow_or_hit_segs(refiner *r);
+int refine_gives_up(const refiner *r, refine_cause cause);
+int refine_is_spent(const refiner *r);
 tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, refine_wanted wanted);
 tet_status refine_look_at(refiner *r, uint32_t n);
 tet_status refine_look_at_made(refiner *r);

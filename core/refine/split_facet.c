@@ -107,12 +107,12 @@ static int centre_of(const refiner *r, uint32_t s, double c[3]) {
 }
 
 /* Walks in the patch from s to the subface that holds vertex p; *ret_seg is the
- * subsegment in the way, if any. 0 if the walk does not end. */
-static int walk(const refiner *r, uint32_t s, uint32_t p, uint32_t *ret_sub, uint32_t *ret_seg) {
+ * subsegment in the way, if any. 0 if the walk does not end in `most` steps. */
+static int walk(refiner *r, uint32_t s, uint32_t p, int most, uint32_t *ret_sub, uint32_t *ret_seg) {
   int axis = r->patch[r->sub_patch[s]].axis;
   uint32_t from = TET_NONE;
   *ret_seg = TET_NONE;
-  for (int steps = 0; steps < 10000; steps++) {
+  for (int steps = 0; steps < most; steps++, r->searched++) {
     uint32_t out = TET_NONE;
     for (uint32_t h = 3 * s; h < 3 * s + 3; h++) {
       if (h == from) continue;
@@ -134,13 +134,14 @@ static int walk(const refiner *r, uint32_t s, uint32_t p, uint32_t *ret_sub, uin
 }
 
 /* R1 on the first of the subsegments hit that can be split; for a circumcentre's sake on none after one that
- * is protected: a point beside it heals nothing. */
+ * is protected, as a point beside it heals nothing, or that was given up. */
 tet_status refine_split_hit_segs(refiner *r, refine_cause cause, refine_outcome *ret) {
   *ret = OUTCOME_REJECTED;
   tet_status status = TET_OK;
-  uint64_t protected = r->result.rejected.protected_ball;
+  const tet_rejections *n = &r->result.rejected;
+  uint64_t before = n->protected_ball + n->given_up;
   for (uint32_t k = 0; k < r->hit_segs.n && !status && *ret != OUTCOME_INSERTED &&
-                       (cause == CAUSE_VERTEX || protected == r->result.rejected.protected_ball); k++)
+                       (cause == CAUSE_VERTEX || before == n->protected_ball + n->given_up); k++)
     status = refine_split_seg(r, r->hit_segs.at[k], TET_NONE, cause, ret);
   return status;
 }
@@ -151,11 +152,14 @@ static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_
 static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause cause, refine_outcome *ret) {
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
-  tet_status status = refine_cavity_of_sub(r, p, at, 0);
-  if (!status) status = refine_collect_segs(r);
+  int near = refine_gives_up(r, cause);
+  tet_status status = refine_cavity_of_sub(r, p, at, near ? EXTENT_NEAR : EXTENT_BEGUN);
+  if (!status) status = near ? refine_collect_segs(r) : refine_grow_or_hit_segs(r);
   if (status) return status;
   int ok = 0, missed = 0;
-  if (!r->hit_segs.n) {
+  if (c->is_part) {
+    r->result.rejected.given_up++;
+  } else if (!r->hit_segs.n) {
     uint32_t now = ++r->stamp_now;
     c->vertices.n = 0;
     for (uint32_t k = 0; k < 3 * c->subs.n && !status; k++) {
@@ -225,7 +229,7 @@ tet_status refine_split_sub(refiner *r, uint32_t s, refine_cause cause, refine_o
     r->result.rejected.protected_ball++;
     return TET_OK;
   }
-  int found = walk(r, s, r->points.n - 1, &at, &seg);
+  int found = walk(r, s, r->points.n - 1, refine_gives_up(r, cause) ? NEAR : 10000, &at, &seg);
   if (found && seg == TET_NONE) {
     status = try_centre(r, s, at, cause, ret);
   } else {

@@ -18,7 +18,8 @@ tet_status refine_insert(refiner *r, int *ret_ok) {
   if (!status && !*ret_ok && (c->segment != TET_NONE || c->sub != TET_NONE)) {
     uint32_t p = c->p, segment = c->segment, sub = c->sub;
     refine_cavity_clear(r);
-    status = segment != TET_NONE ? refine_cavity_of_seg(r, p, segment, 1) : refine_cavity_of_sub(r, p, sub, 1);
+    status = segment != TET_NONE ? refine_cavity_of_seg(r, p, segment, EXTENT_LEAST)
+                                 : refine_cavity_of_sub(r, p, sub, EXTENT_LEAST);
     if (!status) status = refine_cavity_trim(r, ret_ok);
   }
   if (status || !*ret_ok) return status;
@@ -85,10 +86,11 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   if (!refine_accepts(r, r->points.n - 1, ends, 2, cause == CAUSE_CENTRE ? r->o.alpha2 : 0, cause)) {
     r->result.rejected.protected_ball++;
   } else {
-    status = refine_cavity_of_seg(r, r->points.n - 1, e, 0);
-    int crowded = !status && cause == CAUSE_CENTRE && refine_crowded(r, ends, 2);
-    if (!status && !crowded) status = refine_insert(r, &ok);
-    if (crowded) r->result.rejected.protected_ball++;
+    status = refine_cavity_of_seg(r, r->points.n - 1, e, refine_gives_up(r, cause) ? EXTENT_NEAR : EXTENT_WHOLE);
+    int is_part = r->cavity.is_part, crowded = !status && !is_part && cause == CAUSE_CENTRE && refine_crowded(r, ends, 2);
+    if (!status && !is_part && !crowded) status = refine_insert(r, &ok);
+    if (is_part) r->result.rejected.given_up++;
+    else if (crowded) r->result.rejected.protected_ball++;
     else if (!ok) r->result.rejected.lost_subface++;
   }
   if (status) return status;

@@ -15,15 +15,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Splits the first that can be of what the candidate hit; none after one that is protected: a point beside
- * it heals nothing, but leaves more over the bound. */
+/* Splits the first that can be of what the candidate hit; none after one that is protected, as a point beside
+ * it heals nothing, but leaves more over the bound, or that was given up. */
 static tet_status split_hits(refiner *r, refine_outcome *ret) {
   if (r->hit_segs.n) return refine_split_hit_segs(r, CAUSE_CENTRE, ret);
   *ret = OUTCOME_REJECTED;
   tet_status status = TET_OK;
-  uint64_t protected = r->result.rejected.protected_ball;
+  const tet_rejections *n = &r->result.rejected;
+  uint64_t before = n->protected_ball + n->given_up;
   for (uint32_t k = 0; k < r->hit_subs.n && !status && *ret != OUTCOME_INSERTED &&
-                       protected == r->result.rejected.protected_ball; k++)
+                       before == n->protected_ball + n->given_up; k++)
     status = refine_split_sub(r, r->hit_subs.at[k], CAUSE_CENTRE, ret);
   return status;
 }
@@ -50,7 +51,9 @@ static tet_status try_point(refiner *r, uint32_t t, const double x[3], refine_wa
   status = refine_grow_or_hit(r, p, t, wanted);
   if (status) return status;
   int ok = 0, hit = r->hit_segs.n || r->hit_subs.n;
-  if (!hit && wanted != WANT_HITS) {
+  if (!hit && c->is_part && wanted != WANT_HITS) {
+    r->result.rejected.given_up++;
+  } else if (!hit && wanted != WANT_HITS) {
     int watched = refine_needs_sizes(r);
     if (watched) status = refine_cavity_vertices(r);
     if (status) return status;
@@ -198,6 +201,7 @@ static tet_status split_volume(refiner *r, uint32_t t, double shortest2, const d
 tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, int is_sliver, refine_outcome *ret) {
   uint32_t old[4];
   double centre[3];
+  uint64_t before = r->searched;
   memcpy(old, r->mesh.v + 4 * (size_t)t, sizeof old);
   refine_circumcentre(r, t, shape, centre);
   r->picking = is_sliver;
@@ -209,6 +213,7 @@ tet_status refine_split_tet(refiner *r, uint32_t t, const refine_shape *shape, i
   if (wall != TET_NONE) status = split_wall(r, t, wall, centre, ret, &kept);
   if (!status && *ret == OUTCOME_REJECTED && !kept) status = split_volume(r, t, shape->shortest2, centre, ret);
   r->picking = 0;
+  if (*ret == OUTCOME_REJECTED) r->in_vain += r->searched - before;
   if (status || *ret != OUTCOME_INSERTED) return status;
   return refine_is_tet(r, t, old) ? refine_queue_tet(r, t) : TET_OK;
 }

@@ -134,6 +134,7 @@ static json_t *rejected_json(const tet_rejections *r) {
   set_count(o, "outside", r->outside);
   set_count(o, "lost_subface", r->lost_subface);
   set_count(o, "too_short", r->too_short);
+  set_count(o, "given_up", r->given_up);
   return o;
 }
 

@@ -353,9 +353,10 @@ static void print_report(const job *j, const tet_mesh *m) {
          (unsigned long long)c->first_slivers, (unsigned long long)c->sliver_points, (unsigned long long)c->sliver_budget);
   printf(",\"thin_points\":%llu,\"thin_budget\":%llu", (unsigned long long)c->thin_points,
          (unsigned long long)c->thin_budget);
-  printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu}",
+  printf(",\"rejected\":{\"ball\":%llu,\"outside\":%llu,\"subface\":%llu,\"short\":%llu,\"given_up\":%llu}",
          (unsigned long long)r->rejected.protected_ball, (unsigned long long)r->rejected.outside,
-         (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short);
+         (unsigned long long)r->rejected.lost_subface, (unsigned long long)r->rejected.too_short,
+         (unsigned long long)r->rejected.given_up);
   printf(",\"traced\":{\"traced\":%llu,\"slivers\":%llu,\"followed\":%llu,\"within\":%llu,\"farthest\":%.4g}",
          (unsigned long long)r->trace.traced, (unsigned long long)r->trace.slivers,
          (unsigned long long)r->trace.followed, (unsigned long long)r->trace.within, r->trace.farthest);

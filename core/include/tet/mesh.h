@@ -105,6 +105,7 @@ typedef struct tet_rejections {
   uint64_t outside;        /* walked out of the domain */
   uint64_t lost_subface;   /* the cavity would lose a constraint */
   uint64_t too_short;      /* a subsegment of a few ulps */
+  uint64_t given_up;       /* far from what asks for it, where too many such were searched for in vain */
 } tet_rejections;
 
 typedef struct tet_counts {

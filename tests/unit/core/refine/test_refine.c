@@ -3,6 +3,7 @@
 #include "refine/refine.h"
 #include "solids.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <string.h>
@@ -101,6 +102,47 @@ static void wedges_end(void **state) {
     tet_build_result_free(ctx, &built);
     tet_ctx_free(ctx);
   }
+}
+
+/* The hull of points on the moment curve: needles all along nearly parallel segments. A circumcentre's cavity has most
+ * of the mesh there, and what it encroaches upon is protected: each was searched for to the end, in vain, so that 25 points
+ * took most of a minute, and 100 no end that was waited for. */
+static void wide_cavities_are_not_searched_in_vain_for_long(void **state) {
+  (void)state;
+  enum { N = 16, FACETS = 2 * N - 4 };
+  tet_ctx *ctx;
+  solid s;
+  tet_build_result built;
+  tet_refine_result r;
+  tet_refine_options o;
+  double points[N][3];
+  uint32_t start[FACETS + 1], corners[3 * FACETS], n = 0;
+  for (uint32_t i = 0; i < N; i++)
+    for (int k = 0; k < 3; k++) points[i][k] = pow(i + 1, k + 1);
+  for (uint32_t i = 1; i < 2 * N - 3; i++) { /* Gale's evenness */
+    const uint32_t at = i < N - 1 ? i : i - (N - 1), end = i < N - 1 ? 0 : N - 1;
+    const uint32_t facet[3] = {end ? at : 0, end ? at + 1 : at, end ? end : at + 1};
+    memcpy(corners + 3 * n++, facet, sizeof facet);
+  }
+  assert_int_equal(n, FACETS);
+  for (uint32_t i = 0; i <= FACETS; i++) start[i] = 3 * i;
+  solid_regular(&s, 4, 1, unturned);
+  s.pls.n_points = N;
+  s.pls.points = points[0];
+  s.pls.n_facets = s.pls.n_polygons = FACETS;
+  s.pls.polygon_start = start;
+  s.pls.polygon_vertices = corners;
+  tet_refine_options_default(&o);
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+  assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
+  assert_null(pieces_fault(&built.pieces));
+  assert_true(r.constrained_delaunay);
+  assert_true(r.rejected.given_up > 0);
+  assert_true(built.pieces.n_points < 10000);
+  assert_int_equal(r.trace.traced, r.n_exceptions);
+  tet_refine_result_free(ctx, &r);
+  tet_build_result_free(ctx, &built);
+  tet_ctx_free(ctx);
 }
 
 /* Its ends, bent by rounding, have creases, and a Steiner point of one of these beside another: subfaces
@@ -252,6 +294,7 @@ static void nonsense_is_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(box_by_volume), cmocka_unit_test(input_keeps_its_bits), cmocka_unit_test(wedges_end),
+      cmocka_unit_test(wide_cavities_are_not_searched_in_vain_for_long),
       cmocka_unit_test(segments_are_not_cut_for_centres_far_beyond),
       cmocka_unit_test(creases_leave_nothing_flat),
       cmocka_unit_test(limits_leave_nothing), cmocka_unit_test(nonsense_is_refused)};
