@@ -163,6 +163,11 @@ static uint32_t hint_for(const job *j, const tet_complex *view, uint32_t v) {
   return t != TET_NONE && view->mine[tet_flag(view, t)] ? t : TET_NONE;
 }
 
+/* Where the last vertex went, unless that is another thread's now, which may be changing it. */
+static void keep_place(tet_complex *view) {
+  if (view->last != TET_NONE && !view->mine[tet_flag(view, view->last)]) view->last = TET_NONE;
+}
+
 /* Offers half of the chunks that are still to come, those last in line, to who has none. */
 static void offer(job *j, worker *w) {
   exchange *e = &j->exchange;
@@ -205,6 +210,7 @@ static int insert_chunk(job *j, worker *w, uint32_t k) {
   uint32_t rest = 0, i = 0, before = 0;
   int done = 0, is_stopping = 0;
   view->owner = (uint8_t)(k * TET_FLAG_OWNER);
+  keep_place(view);
   for (; i < part->n_todo && w->status == TET_OK && !is_stopping; i++) {
     uint32_t v = part->todo[i], hint = done && v - before <= NEAR ? TET_NONE : hint_for(j, view, v);
     if (hint != TET_NONE) view->last = hint;
@@ -214,7 +220,10 @@ static int insert_chunk(job *j, worker *w, uint32_t k) {
     else if ((before = v) % CELL == 0) atomic_store_explicit(hint_at(j, v), view->last, memory_order_relaxed);
     if (i % POLL < POLL - 1) continue;
     is_stopping = tet_is_stopping(j->c->ctx);
-    if (j->is_sharing && w->next < w->end && atomic_load_explicit(&j->exchange.n_hungry, memory_order_relaxed)) offer(j, w);
+    if (j->is_sharing && w->next < w->end && atomic_load_explicit(&j->exchange.n_hungry, memory_order_relaxed)) {
+      offer(j, w);
+      keep_place(view);
+    }
   }
   for (; i < part->n_todo; i++) part->todo[rest++] = part->todo[i];
   part->n_todo = rest;
