@@ -19,12 +19,6 @@ static bool is_passed_over(tf_token token) {
     return false;
 }
 
-static void skip_line(tf_text *text) {
-    tf_token token;
-    while (tf_text_token(text, &token)) {
-    }
-}
-
 // The next token of the statement; a lone '\' at a line's end goes on with the next.
 static bool statement_token(tf_text *text, tf_token *ret_token) {
     while (tf_text_token(text, ret_token)) {
@@ -103,13 +97,15 @@ static void read_point(tf_text *text, tf_build *build) {
     tf_build_point(build, place);
 }
 
-// Faces may name vertices that come later, so these are counted first.
+// Faces may name vertices that come later, so these are counted first. What a statement goes on
+// with is no vertex.
 static size_t count_points(tf_text text) {
     size_t n = 0;
     tf_token token;
     while (tf_text_seek(&text)) {
-        n += tf_text_token(&text, &token) && token.size == 1 && token.at[0] == 'v';
-        skip_line(&text);
+        n += tf_text_token(&text, &token) && tf_token_is(token, "v");
+        while (statement_token(&text, &token)) {
+        }
     }
     return n;
 }
