@@ -290,7 +290,7 @@ bool config_finish(config *cfg, char error[CONFIG_ERROR]) {
   if (limits->worker_memory_bytes == UINT64_MAX) limits->worker_memory_bytes = physical / 8 * 7;
   if (!limits->memory_bytes) {
     uint64_t whole = limits->worker_memory_bytes ? limits->worker_memory_bytes : physical;
-    limits->memory_bytes = whole / 4 * 3;
+    limits->memory_bytes = whole - whole / 4; /* never 0, which is no limit */
   }
   if (limits->max_body > limits->upload_bytes) limits->max_body = limits->upload_bytes;
   return true;
