@@ -217,8 +217,8 @@ static double distance_to_line(const recovery *r, const tet_segment *g, const te
  * would be encroached by another's next point, a little off level, without an end that matters. */
 static tet_status check_apart(const recovery *r, uint32_t e, uint32_t p) {
   const tet_segment *g = &r->st->surface.segment[r->st->surface.subseg_segment[e]], *h = segment_of(r, p);
-  const double *x = h ? at(r, p) : NULL;
   if (!h || distance_to_line(r, g, h, p) >= APART * r->st->points.max_abs) return TET_OK;
+  const double *x = at(r, p);
   return tet_fail(r->ctx, TET_E_ROUNDING,
                   "the segments between vertices %u and %u and between %u and %u would need points closer than doubles are, "
                   "near (%.17g, %.17g, %.17g)", g->a, g->b, h->a, h->b, x[0], x[1], x[2]);

@@ -182,6 +182,7 @@ static void offer(job *j, worker *w) {
     pthread_cond_signal(&e->changed);
   }
   pthread_mutex_unlock(&e->lock);
+  keep_place(&w->view);
 }
 
 /* Takes what is offered, or waits until something is; 0: all are done. */
@@ -220,10 +221,7 @@ static int insert_chunk(job *j, worker *w, uint32_t k) {
     else if ((before = v) % CELL == 0) atomic_store_explicit(hint_at(j, v), view->last, memory_order_relaxed);
     if (i % POLL < POLL - 1) continue;
     is_stopping = tet_is_stopping(j->c->ctx);
-    if (j->is_sharing && w->next < w->end && atomic_load_explicit(&j->exchange.n_hungry, memory_order_relaxed)) {
-      offer(j, w);
-      keep_place(view);
-    }
+    if (j->is_sharing && w->next < w->end && atomic_load_explicit(&j->exchange.n_hungry, memory_order_relaxed)) offer(j, w);
   }
   for (; i < part->n_todo; i++) part->todo[rest++] = part->todo[i];
   part->n_todo = rest;

@@ -332,6 +332,16 @@ static int is_broken(const refiner *r, uint32_t h) {
   return refine_alive(r, h >> 2) && refine_sub_at(r, h) == TET_NONE && !is_delaunay(r, h);
 }
 
+/* The first handle from h on at a face that is not Delaunay, the lower of its two, or that behind all slots. */
+static uint32_t next_broken(const refiner *r, uint32_t h) {
+  const tet_complex *m = &r->mesh;
+  for (; h < 4 * m->n_slots; h++) {
+    if (!(h & 3)) h = 4 * tet_complex_next_doubtful(m, h / 4);
+    if (h < 4 * m->n_slots && m->adj[h] >= h && is_broken(r, h)) return h;
+  }
+  return 4 * m->n_slots;
+}
+
 /* Repairs the suspects. A 4-4 or 2-3 flip must not undo what another did: the total is bounded. */
 static tet_status repair(refiner *r, int thorough) {
   refine_list *suspects = &r->suspects;
@@ -391,11 +401,8 @@ tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done) {
   tet_status status = TET_OK;
   *ret_done = 0;
   r->forcing = 1;
-  for (uint32_t h = 0; h < 4 * r->mesh.n_slots && !status; h++) {
+  for (uint32_t h = next_broken(r, 0); h < 4 * r->mesh.n_slots && !status; h = next_broken(r, h + 1)) {
     int done = 0;
-    if (!(h & 3)) h = 4 * tet_complex_next_doubtful(&r->mesh, h / 4);
-    if (h == 4 * r->mesh.n_slots) break;
-    if (r->mesh.adj[h] < h || !is_broken(r, h)) continue;
     status = split_at(r, h >> 2, &done);
     if (!status && !done && is_broken(r, h)) status = split_at(r, r->mesh.adj[h] >> 2, &done);
     *ret_done += (uint64_t)done;
@@ -407,10 +414,7 @@ tet_status refine_repair_by_force(refiner *r, uint64_t *ret_done) {
 /* Repairs wherever there is something to repair. */
 tet_status refine_repair_all(refiner *r) {
   tet_status status = TET_OK;
-  for (uint32_t h = 0; h < 4 * r->mesh.n_slots && !status; h++) {
-    if (!(h & 3)) h = 4 * tet_complex_next_doubtful(&r->mesh, h / 4);
-    if (h == 4 * r->mesh.n_slots) break;
-    if (r->mesh.adj[h] < h || !is_broken(r, h)) continue;
+  for (uint32_t h = next_broken(r, 0); h < 4 * r->mesh.n_slots && !status; h = next_broken(r, h + 1)) {
     status = refine_push(r, &r->suspects, h);
     if (!status) status = repair(r, 1);
   }
