@@ -26,8 +26,6 @@ static uint32_t corner(const tet_pls *pls, const tet_mesh *mesh, uint32_t i) {
   return mesh->point_same_as[pls->polygon_vertices[i]];
 }
 
-static double longest(const double x[3]) { return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2]))); }
-
 /* The farthest of the facet's corners by distance from v[0] (known 1) or from the line v[0] v[1]
  * (known 2); 1 if three corners are off one line. By coordinates, as the squares of small ones are 0. */
 static int spread(const tet_pls *pls, const tet_mesh *mesh, uint32_t from, uint32_t to, uint32_t v[3]) {
@@ -36,13 +34,13 @@ static int spread(const tet_pls *pls, const tet_mesh *mesh, uint32_t from, uint3
     double most = 0, u[3], d[3], n[3];
     uint32_t best = TET_NONE;
     tet_minus(place(mesh, v[1]), place(mesh, v[0]), u);
-    double length = known == 2 ? longest(u) : 1;
+    double length = known == 2 ? tet_longest(u) : 1;
     for (int k = 0; k < 3; k++) u[k] /= length;
     for (uint32_t i = from; i < to; i++) {
       uint32_t c = corner(pls, mesh, i);
       tet_minus(place(mesh, c), place(mesh, v[0]), d);
       tet_cross(u, d, n);
-      double size = known == 1 ? longest(d) : longest(n);
+      double size = known == 1 ? tet_longest(d) : tet_longest(n);
       if (size > most || best == TET_NONE) {
         if (known == 2 && tet_collinear_xyz(place(mesh, v[0]), place(mesh, v[1]), place(mesh, c))) continue;
         most = size;
@@ -69,7 +67,7 @@ void tet_view_facet(const tet_pls *pls, const tet_mesh *mesh, uint32_t f, tet_fa
   int far = 0; /* by its shorter sides: of a needle's longer ones the normal would be noise */
   for (int k = 0; k < 3; k++) {
     tet_minus(x[(k + 1) % 3], x[k], d[k]);
-    if (longest(d[k]) > longest(d[far])) far = k;
+    if (tet_longest(d[k]) > tet_longest(d[far])) far = k;
   }
   tet_cross(d[(far + 1) % 3], d[(far + 2) % 3], n);
   for (int k = 0; k < 3; k++) {

@@ -3,6 +3,8 @@
 #ifndef TET_BASE_VECTOR_H
 #define TET_BASE_VECTOR_H
 
+#include <math.h>
+
 /* d = a - b */
 static inline void tet_minus(const double a[3], const double b[3], double d[3]) {
   for (int i = 0; i < 3; i++) d[i] = a[i] - b[i];
@@ -24,6 +26,9 @@ static inline void tet_cross(const double a[3], const double b[3], double c[3]) 
   c[1] = a[2] * b[0] - a[0] * b[2];
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
+
+/* The longest coordinate of a: its size where the squares of small ones would be 0. */
+static inline double tet_longest(const double a[3]) { return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2]))); }
 
 /* The sine of an angle up to 90 degrees by its series: the same bits everywhere, as what it bounds
  * decides where points go. */

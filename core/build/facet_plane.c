@@ -9,8 +9,6 @@
 #include "build/facet_work.h"
 #include "exact/predicates.h"
 
-static double largest(const double v[3]) { return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2]))); }
-
 /* (b - a) / scale */
 static void difference(const tet_soup *s, uint32_t a, uint32_t b, double scale, double d[3]) {
   for (int k = 0; k < 3; k++) d[k] = (tet_soup_x(s, b)[k] - tet_soup_x(s, a)[k]) / scale;
@@ -23,7 +21,7 @@ void tet_soup_normal(const tet_soup *s, uint32_t a, uint32_t b, uint32_t c, doub
   double u[3], v[3];
   difference(s, a, b, 1.0, u);
   difference(s, a, c, 1.0, v);
-  double scale = fmax(largest(u), largest(v));
+  double scale = fmax(tet_longest(u), tet_longest(v));
   if (scale == 0) scale = 1.0;
   for (int k = 0; k < 3; k++) {
     u[k] /= scale;
@@ -219,7 +217,7 @@ void tet_facet_plane(tet_facet_work *w, int *ret_area) {
   w->scale = 0;
   for (uint32_t i = 1; i < n_own; i++) {
     difference(w->s, w->global[0], w->global[i], 1.0, n);
-    w->scale = fmax(w->scale, largest(n));
+    w->scale = fmax(w->scale, tet_longest(n));
   }
   *ret_area = w->scale > 0 && spanning_triangle(w, n_own, t);
   w->deviation = 0;

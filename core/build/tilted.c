@@ -9,7 +9,7 @@
 
 /* v over its largest component, then over its length; 0 where it is none. */
 static int normalise(double v[3]) {
-  double most = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+  double most = tet_longest(v);
   if (!(most > 0)) return 0;
   for (int k = 0; k < 3; k++) v[k] /= most;
   double length = sqrt(tet_square(v));

@@ -58,7 +58,7 @@ static inline int are_usual(const double nn[4]) {
 /* The normals, each brought to a largest coordinate of 1; 0 if one has no length, or none that is a double. */
 static int scale(double n[4][3], double nn[4]) {
   for (int i = 0; i < 4; i++) {
-    double most = fmax(fabs(n[i][0]), fmax(fabs(n[i][1]), fabs(n[i][2])));
+    double most = tet_longest(n[i]);
     if (!(most > 0 && isfinite(most))) return 0;
     for (int k = 0; k < 3; k++) n[i][k] /= most;
     nn[i] = tet_square(n[i]);

@@ -49,9 +49,13 @@ static int is_in_needle(const refiner *r, uint32_t e, const double *a, const dou
   double along[3], d[3], n[3];
   if (h == TET_NONE) return 0;
   tet_minus(b, a, along);
+  double unit = tet_longest(along); /* squares of small lengths would be 0 */
+  for (int k = 0; k < 3; k++) along[k] /= unit;
   double length2 = tet_square(along);
+  least /= unit;
   do {
     tet_minus(refine_x(r, r->sub_v[h - h % 3 + (h + 2) % 3]), a, d);
+    for (int k = 0; k < 3; k++) d[k] /= unit;
     tet_cross(along, d, n);
     if (tet_square(n) < least * least * length2) return 1;
     h = r->ring[h];
