@@ -109,6 +109,38 @@ static void the_smallest_clouds_are_meshed(void **state) {
   }
 }
 
+/* Needles whose widths' squares are 0: no plane is missed for that, and no segment cut that rounding would lay
+ * beyond its facet. Most points of both are the origin again. */
+static void clouds_of_all_lengths_are_meshed(void **state) {
+  (void)state;
+  static const double cloud[2][30][3] = {
+      {{5.964211928238371e-212, 5.964208835435795e-212, 5.964208835435795e-212},
+       {5.964208835435795e-212, 5.964208835435795e-212, 5.964208835435795e-212},
+       {4.66779395490141e-62, -41250583897702.4, -41255400998277.516},
+       {-41255383303557.516, -41255400998277.516, 3.786691255695006e-270},
+       {2.72933834019424e-310, 1.112553905478963e-308, 0}},
+      {{2.3349729481794273e-59, -82463372083.2, -41255400998277.516},
+       {-40095759828357.516, -41255400998277.516, -41255400998277.516},
+       {-2.8864965499847887e-161, 1.3064616502410113e-279, 2.8470541962973472e-260},
+       {3.30115e-319, 1.0655986769483542e-255, 6.865110951530485e-246},
+       {6.627904904939275e-270, 1.112536929512761e-308, 9.776309415465995e-150},
+       {1.112545417243119e-308, 2.590366e-318, 0}}};
+  for (int i = 0; i < 2; i++) {
+    tet_ctx *ctx;
+    tet_mesh *m = NULL;
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    const tet_pls pls = {.n_points = 30, .points = cloud[i][0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
+    tet_options o;
+    tet_options_default(&o);
+    o.break_points = 1;
+    assert_int_equal(tet_mesh_pls(ctx, &pls, &o, &m), TET_OK);
+    assert_true(m->report.audit.passed);
+    tet_mesh_free(m);
+    assert_int_equal(tet_ctx_bytes(ctx), 0);
+    tet_ctx_free(ctx);
+  }
+}
+
 static void flat_clouds_are_refused(void **state) {
   (void)state;
   tet_ctx *ctx;
@@ -129,6 +161,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(the_hull_is_refined),
                                      cmocka_unit_test(points_that_are_not_listed_stay_out),
                                      cmocka_unit_test(the_smallest_clouds_are_meshed),
+                                     cmocka_unit_test(clouds_of_all_lengths_are_meshed),
                                      cmocka_unit_test(flat_clouds_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
