@@ -11,7 +11,7 @@
 tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
   const double *p[4];
   for (int i = 0; i < 4; i++) p[i] = points + 3 * (size_t)v[i];
-  double u[3][3], n[4][3], area2[4];
+  double u[3][3], n[4][3], area[4];
   double shortest = INFINITY, longest = 0;
   for (int i = 0; i < 4; i++)
     for (int j = i + 1; j < 4; j++) {
@@ -22,14 +22,14 @@ tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
       if (l > longest) longest = l;
     }
   for (int k = 0; k < 3; k++) tet_minus(p[k + 1], p[0], u[k]);
-  tet_cross(u[2], u[1], n[1]); /* n[i]: normal of face i, all outward, of twice its area */
+  tet_cross(u[2], u[1], n[1]); /* n[i]: normal of face i, all outward, of length `area`, twice that */
   tet_cross(u[0], u[2], n[2]);
   tet_cross(u[1], u[0], n[3]);
   for (int k = 0; k < 3; k++) n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
   double det = -tet_dot(n[3], u[2]), largest = 0;
   for (int i = 0; i < 4; i++) {
-    area2[i] = tet_dot(n[i], n[i]);
-    if (area2[i] > largest) largest = area2[i];
+    area[i] = sqrt(tet_dot(n[i], n[i]));
+    if (area[i] > largest) largest = area[i];
   }
   double centre[3]; /* from p[0], times 2 det */
   for (int k = 0; k < 3; k++)
@@ -37,11 +37,11 @@ tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
   tet_shape s = {.volume = det / 6, .radius_edge = INFINITY, .aspect = INFINITY, .cos_smallest = -1, .cos_largest = 1};
   if (det != 0) {
     s.radius_edge = sqrt(tet_dot(centre, centre)) / (2 * fabs(det)) / sqrt(shortest);
-    s.aspect = sqrt(longest) * sqrt(largest) / fabs(det);
+    s.aspect = sqrt(longest) * largest / fabs(det);
   }
   for (int i = 0; i < 4; i++)
     for (int j = i + 1; j < 4; j++) {
-      double c = -tet_dot(n[i], n[j]) / (sqrt(area2[i]) * sqrt(area2[j]));
+      double c = -tet_dot(n[i], n[j]) / (area[i] * area[j]);
       if (c > s.cos_smallest) s.cos_smallest = c;
       if (c < s.cos_largest) s.cos_largest = c;
     }
