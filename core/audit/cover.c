@@ -57,23 +57,15 @@ static double slack(const tet_mesh *mesh) {
   return 8 * mesh->report.promised.planarity + 1e-10 * size;
 }
 
-/* d = a - b over its longest coordinate, which is returned: squares of small ones are 0. a is not b. */
-static double direction(const double *a, const double *b, double d[3]) {
-  tet_minus(a, b, d);
-  double longest = tet_longest(d);
-  for (int k = 0; k < 3; k++) d[k] /= longest;
-  return longest;
-}
-
 static int is_off_plane(const cover *c, const tet_facet_view *view, const uint32_t v[3], double most) {
   double u[3], w[3], n[3], d[3];
-  direction(place(c->mesh, view->v[1]), place(c->mesh, view->v[0]), u);
-  direction(place(c->mesh, view->v[2]), place(c->mesh, view->v[0]), w);
+  tet_direction(place(c->mesh, view->v[1]), place(c->mesh, view->v[0]), u);
+  tet_direction(place(c->mesh, view->v[2]), place(c->mesh, view->v[0]), w);
   tet_cross(u, w, n);
   double length = sqrt(tet_square(n)), error = 1e-14 * sqrt(tet_square(u)) * sqrt(tet_square(w)); /* of n */
   for (int k = 0; k < 3; k++) {
     if (v[k] == view->v[0]) continue;
-    double far = direction(place(c->mesh, v[k]), place(c->mesh, view->v[0]), d);
+    double far = tet_direction(place(c->mesh, v[k]), place(c->mesh, view->v[0]), d);
     if (fabs(tet_dot(n, d)) > most / far * length + error * sqrt(tet_square(d))) return 1;
   }
   return 0;

@@ -5,6 +5,7 @@
 
 #include "base/vector.h"
 
+#include <float.h>
 #include <math.h>
 
 static inline double least(double a, double b) { return a < b ? a : b; }
@@ -64,6 +65,17 @@ static int scale(double n[4][3], double nn[4]) {
     nn[i] = tet_square(n[i]);
   }
   return 1;
+}
+
+/* 1: subface s is narrower than rounding moves a point of coordinates up to `most`. The corner off its longest side
+ * is about as far from that as the lesser of two sides times the sine of their angle. */
+int refine_is_narrow(const refiner *r, uint32_t s, double most) {
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
+  double d[3], e[3], n[3];
+  double length = tet_direction(refine_x(r, v[1]), refine_x(r, v[0]), d);
+  length = fmin(length, tet_direction(refine_x(r, v[2]), refine_x(r, v[0]), e));
+  tet_cross(d, e, n);
+  return tet_longest(n) * length < 4 * DBL_EPSILON * most;
 }
 
 /* Squared cosine of the smallest dihedral angle, 1 for what is flat to doubles: by the normals of

@@ -364,6 +364,7 @@ void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
 void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, const uint32_t v[4]);
+int refine_is_narrow(const refiner *r, uint32_t s, double most);
 int refine_is_sliver(const refiner *r, const uint32_t v[4]);
 int refine_over_ratio(const refiner *r, const refine_shape *s);
 int refine_over_volume(const refiner *r, uint32_t region, double volume6);

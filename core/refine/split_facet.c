@@ -152,6 +152,11 @@ static tet_status halve_edge(refiner *r, uint32_t s, refine_cause cause, refine_
 static tet_status try_centre(refiner *r, uint32_t s, uint32_t at, refine_cause cause, refine_outcome *ret) {
   uint32_t p = r->points.n - 1;
   refine_cavity *c = &r->cavity;
+  if (refine_is_narrow(r, at, tet_longest(refine_x(r, p)))) {
+    refine_drop_point(r);
+    r->result.rejected.too_short++;
+    return TET_OK;
+  }
   int near = refine_gives_up(r, cause);
   tet_status status = refine_cavity_of_sub(r, p, at, near ? EXTENT_NEAR : EXTENT_BEGUN);
   if (!status) status = near ? refine_collect_segs(r) : refine_grow_or_hit_segs(r);

@@ -42,22 +42,12 @@ void refine_spend(refiner *r) {
   if (r->thin_points && refine_is_thin(r, r->points.n - 1)) r->thin_points--;
 }
 
-/* 1: some facet at subsegment e = ab, as wide there as its subface, is narrower than `least`, which rounding moves a
- * point. */
-static int is_in_needle(const refiner *r, uint32_t e, const double *a, const double *b, double least) {
+/* 1: some subface at subsegment e is too narrow for its points, of coordinates up to `most`. */
+static int is_in_needle(const refiner *r, uint32_t e, double most) {
   uint32_t first = r->seg_sub[e], h = first;
-  double along[3], d[3], n[3];
   if (h == TET_NONE) return 0;
-  tet_minus(b, a, along);
-  double unit = tet_longest(along); /* squares of small lengths would be 0 */
-  for (int k = 0; k < 3; k++) along[k] /= unit;
-  double length2 = tet_square(along);
-  least /= unit;
   do {
-    tet_minus(refine_x(r, r->sub_v[h - h % 3 + (h + 2) % 3]), a, d);
-    for (int k = 0; k < 3; k++) d[k] /= unit;
-    tet_cross(along, d, n);
-    if (tet_square(n) < least * least * length2) return 1;
+    if (refine_is_narrow(r, h / 3, most)) return 1;
     h = r->ring[h];
   } while (h != first);
   return 0;
@@ -73,7 +63,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   }
   *ret = OUTCOME_REJECTED;
   double length = sqrt(length2), cut = refine_cut(r, e, by, length);
-  if (length < 64 * DBL_EPSILON * most || is_in_needle(r, e, a, b, 4 * DBL_EPSILON * most)) {
+  if (length < 64 * DBL_EPSILON * most || is_in_needle(r, e, most)) {
     r->result.rejected.too_short++;
     return TET_OK;
   }

@@ -104,7 +104,7 @@ typedef struct tet_rejections {
   uint64_t protected_ball; /* the accepting rule (4.1.4) */
   uint64_t outside;        /* walked out of the domain */
   uint64_t lost_subface;   /* the cavity would lose a constraint */
-  uint64_t too_short;      /* a subsegment of a few ulps, or at a facet as narrow as that */
+  uint64_t too_short;      /* a subsegment of a few ulps, or a subface as narrow as that */
   uint64_t given_up;       /* far from what asks for it, where too many such were searched for in vain */
 } tet_rejections;
 

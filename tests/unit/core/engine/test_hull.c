@@ -109,11 +109,11 @@ static void the_smallest_clouds_are_meshed(void **state) {
   }
 }
 
-/* Needles whose widths' squares are 0: no plane is missed for that, and no segment cut that rounding would lay
- * beyond its facet. Most points of both are the origin again. */
+/* Needles of lengths whose squares and products are no doubles: no plane is missed for that, and no segment cut that
+ * rounding would lay beyond its facet. Most points of each are the origin again. */
 static void clouds_of_all_lengths_are_meshed(void **state) {
   (void)state;
-  static const double cloud[2][30][3] = {
+  static const double cloud[3][30][3] = {
       {{5.964211928238371e-212, 5.964208835435795e-212, 5.964208835435795e-212},
        {5.964208835435795e-212, 5.964208835435795e-212, 5.964208835435795e-212},
        {4.66779395490141e-62, -41250583897702.4, -41255400998277.516},
@@ -124,8 +124,12 @@ static void clouds_of_all_lengths_are_meshed(void **state) {
        {-2.8864965499847887e-161, 1.3064616502410113e-279, 2.8470541962973472e-260},
        {3.30115e-319, 1.0655986769483542e-255, 6.865110951530485e-246},
        {6.627904904939275e-270, 1.112536929512761e-308, 9.776309415465995e-150},
-       {1.112545417243119e-308, 2.590366e-318, 0}}};
-  for (int i = 0; i < 2; i++) {
+       {1.112545417243119e-308, 2.590366e-318, 0}},
+      {{-41255400998277.516, 7.880400340385734e+115, -41255400998277.516},
+       {2.15272832314e-312, 2.0546950501119772e-81, 1.113852418563315e-100},
+       {2.0546950501119882e-81, 3.9571987235949102e-115, 2.0546950501119882e-81},
+       {1.112553905349468e-308, 4e-323, 0}}};
+  for (int i = 0; i < 3; i++) {
     tet_ctx *ctx;
     tet_mesh *m = NULL;
     assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
