@@ -30,7 +30,7 @@ static inline void tet_cross(const double a[3], const double b[3], double c[3]) 
 /* The longest coordinate of a: its size where the squares of small ones would be 0. */
 static inline double tet_longest(const double a[3]) { return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2]))); }
 
-/* d = a - b over its longest coordinate, which is returned: products of lengths far apart are no doubles. a is not b. */
+/* d = a - b, a not b, over its longest coordinate, which is returned: products of lengths far apart are no doubles. */
 static inline double tet_direction(const double a[3], const double b[3], double d[3]) {
   tet_minus(a, b, d);
   double longest = tet_longest(d);
