@@ -49,6 +49,17 @@ int refine_over_volume(const refiner *r, uint32_t region, double volume6) {
   return volume6 > 6 * r->max_volume[region] * REFINE_SLACK;
 }
 
+/* 1: subface s is narrower than rounding moves a point of coordinates up to `most`. The corner off its longest side
+ * is about as far from that as the lesser of two sides times the sine of their angle. */
+int refine_is_narrow(const refiner *r, uint32_t s, double most) {
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
+  double d[3], e[3], n[3];
+  double length = tet_direction(refine_x(r, v[1]), refine_x(r, v[0]), d);
+  length = fmin(length, tet_direction(refine_x(r, v[2]), refine_x(r, v[0]), e));
+  tet_cross(d, e, n);
+  return tet_longest(n) * length < 4 * DBL_EPSILON * most;
+}
+
 /* 1 if four squares and their products are normal doubles. */
 static inline int are_usual(const double nn[4]) {
   for (int i = 0; i < 4; i++)
@@ -65,17 +76,6 @@ static int scale(double n[4][3], double nn[4]) {
     nn[i] = tet_square(n[i]);
   }
   return 1;
-}
-
-/* 1: subface s is narrower than rounding moves a point of coordinates up to `most`. The corner off its longest side
- * is about as far from that as the lesser of two sides times the sine of their angle. */
-int refine_is_narrow(const refiner *r, uint32_t s, double most) {
-  const uint32_t *v = r->sub_v + 3 * (size_t)s;
-  double d[3], e[3], n[3];
-  double length = tet_direction(refine_x(r, v[1]), refine_x(r, v[0]), d);
-  length = fmin(length, tet_direction(refine_x(r, v[2]), refine_x(r, v[0]), e));
-  tet_cross(d, e, n);
-  return tet_longest(n) * length < 4 * DBL_EPSILON * most;
 }
 
 /* Squared cosine of the smallest dihedral angle, 1 for what is flat to doubles: by the normals of

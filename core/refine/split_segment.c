@@ -62,11 +62,12 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
     most = fmax(most, fmax(fabs(a[i]), fabs(b[i])));
   }
   *ret = OUTCOME_REJECTED;
-  double length = sqrt(length2), cut = refine_cut(r, e, by, length);
+  double length = sqrt(length2);
   if (length < 64 * DBL_EPSILON * most || is_in_needle(r, e, most)) {
     r->result.rejected.too_short++;
     return TET_OK;
   }
+  double cut = refine_cut(r, e, by, length);
   int exact = cut == 0.5;
   for (int i = 0; i < 3; i++) {
     x[i] = 0.5 * (a[i] + b[i]);
