@@ -1,17 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 /* quality.c: radius-edge ratio (thesis 3.2.1), dihedral angles and aspect ratio
- * of every tetrahedron, and their histograms. */
+ * of every tetrahedron, and their histograms. In doubles, and by exact polynomials where these say nothing. */
 #include "audit/quality.h"
 
 #include "base/vector.h"
+#include "exact/shape.h"
 
 #include <math.h>
 #include <string.h>
 
+/* Cosines of the smallest and the largest angle between faces of outward normals n, of lengths `length`. */
+static void extreme_angles(double n[4][3], const double length[4], tet_shape *s) {
+  s->cos_smallest = -1;
+  s->cos_largest = 1;
+  for (int i = 0; i < 4; i++)
+    for (int j = i + 1; j < 4; j++) {
+      double c = -tet_dot(n[i], n[j]) / (length[i] * length[j]);
+      if (c > s->cos_smallest) s->cos_smallest = c;
+      if (c < s->cos_largest) s->cos_largest = c;
+    }
+  if (s->cos_smallest > 1) s->cos_smallest = 1;
+  if (s->cos_largest < -1) s->cos_largest = -1;
+}
+
+/* The same where doubles hold no normals of these faces. */
+static void extreme_angles_exactly(const double *const p[4], tet_shape *s) {
+  double n[4][3], length[4];
+  tet_normals_exactly(p, n);
+  for (int i = 0; i < 4; i++) length[i] = sqrt(tet_dot(n[i], n[i]));
+  extreme_angles(n, length, s);
+}
+
+/* Circumradius, and six times the volume, signed, where doubles hold neither. */
+static void measure_exactly(const double *const p[4], double *ret_radius, double *ret_det) {
+  tet_exact_shape e = tet_shape_exactly(p);
+  *ret_det = ldexp(e.volume6, -e.scale);
+  *ret_radius = e.volume6 != 0 ? sqrt(tet_dot(e.to_centre, e.to_centre)) / (2 * fabs(e.volume6)) : INFINITY;
+}
+
 tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
   const double *p[4];
   for (int i = 0; i < 4; i++) p[i] = points + 3 * (size_t)v[i];
-  double u[3][3], n[4][3], area[4];
+  double u[3][3], uu[3], n[4][3], area[4];
   double shortest = INFINITY, longest = 0;
   for (int i = 0; i < 4; i++)
     for (int j = i + 1; j < 4; j++) {
@@ -22,31 +52,26 @@ tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
       if (l > longest) longest = l;
     }
   for (int k = 0; k < 3; k++) tet_minus(p[k + 1], p[0], u[k]);
+  for (int k = 0; k < 3; k++) uu[k] = tet_dot(u[k], u[k]);
   tet_cross(u[2], u[1], n[1]); /* n[i]: normal of face i, all outward, of length `area`, twice that */
   tet_cross(u[0], u[2], n[2]);
   tet_cross(u[1], u[0], n[3]);
   for (int k = 0; k < 3; k++) n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
-  double det = -tet_dot(n[3], u[2]), largest = 0;
+  double det = -tet_dot(n[3], u[2]), largest = 0, smallest = INFINITY;
   for (int i = 0; i < 4; i++) {
     area[i] = sqrt(tet_dot(n[i], n[i]));
     if (area[i] > largest) largest = area[i];
+    if (area[i] < smallest) smallest = area[i];
   }
   double centre[3]; /* from p[0], times 2 det */
-  for (int k = 0; k < 3; k++)
-    centre[k] = -(tet_dot(u[0], u[0]) * n[1][k] + tet_dot(u[1], u[1]) * n[2][k] + tet_dot(u[2], u[2]) * n[3][k]);
-  tet_shape s = {.volume = det / 6, .radius_edge = INFINITY, .aspect = INFINITY, .cos_smallest = -1, .cos_largest = 1};
-  if (det != 0) {
-    s.radius_edge = sqrt(tet_dot(centre, centre)) / (2 * fabs(det)) / sqrt(shortest);
-    s.aspect = sqrt(longest) * largest / fabs(det);
-  }
-  for (int i = 0; i < 4; i++)
-    for (int j = i + 1; j < 4; j++) {
-      double c = -tet_dot(n[i], n[j]) / (area[i] * area[j]);
-      if (c > s.cos_smallest) s.cos_smallest = c;
-      if (c < s.cos_largest) s.cos_largest = c;
-    }
-  if (s.cos_smallest > 1) s.cos_smallest = 1;
-  if (s.cos_largest < -1) s.cos_largest = -1;
+  for (int k = 0; k < 3; k++) centre[k] = -(uu[0] * n[1][k] + uu[1] * n[2][k] + uu[2] * n[3][k]);
+  double radius = det != 0 ? sqrt(tet_dot(centre, centre)) / (2 * fabs(det)) : INFINITY;
+  if (!(det * det > TET_SURE_SHAPE * (uu[0] * uu[1] * uu[2]))) measure_exactly(p, &radius, &det);
+  tet_shape s = {.volume = det / 6, .radius_edge = radius / sqrt(shortest), .aspect = INFINITY};
+  if (det != 0) s.aspect = sqrt(longest) * largest / fabs(det);
+  double most = fmax(fmax(uu[0] * uu[1], uu[1] * uu[2]), uu[2] * uu[0]);
+  if (smallest * smallest > TET_SURE_SHAPE * most) extreme_angles(n, area, &s);
+  else extreme_angles_exactly(p, &s);
   return s;
 }
 

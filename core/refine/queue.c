@@ -197,6 +197,10 @@ tet_status refine_queue_made(refiner *r) {
   for (uint32_t k = 0; k < c->n_made && r->watch_tets && !status; k++) {
     const refine_shapes *s = &c->shapes[k / 4];
     uint32_t lane = k % 4, t = r->mesh.cavity[k];
+    if (!(s->is_sure >> lane & 1)) {
+      status = refine_queue_tet(r, t);
+      continue;
+    }
     if (!(s->is_over >> lane & 1) && !r->watch_slivers && !refine_over_volume(r, r->tet_region[t], s->volume6[lane]))
       continue;
     refine_shape shape = {{s->to_centre[0][lane], s->to_centre[1][lane], s->to_centre[2][lane]},

@@ -126,9 +126,10 @@ typedef struct refine_spoke {
 } refine_spoke;
 
 /* What a candidate p would retriangulate, and how, beside mesh.cavity and mesh.border. */
-/* Four tetrahedra between the new point and the border, lane by lane as refine_shape. */
+/* Four tetrahedra between the new point and the border, lane by lane as refine_shape, in doubles. */
 typedef struct refine_shapes {
   double to_centre[3][4], volume6[4], shortest2[4];
+  uint8_t is_sure;     /* bit i: lane i is to be taken for true; else it has to be measured again */
   uint8_t is_over;     /* bit i: lane i is over the radius-edge bound */
   uint8_t is_positive; /* bit i: lane i is positive for certain; else that is not known */
 } refine_shapes;
@@ -362,6 +363,7 @@ typedef struct refine_shape {
 } refine_shape;
 void refine_measure(const refiner *r, uint32_t t, refine_shape *ret);
 void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret);
+int refine_measure_roughly(const refiner *r, const uint32_t v[4], refine_shape *ret);
 double refine_radius_edge(const refine_shape *s);
 double refine_sharpest(const refiner *r, const uint32_t v[4]);
 int refine_is_narrow(const refiner *r, uint32_t s, double most);

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 /* shapes.c: the tetrahedra that a new point will make with the border of its cavity, measured four at a
  * time: before, to know which faces see the point for certain; after, to queue those over a bound. Lane
- * by lane the values are those of refine_measure, to the last bit. */
+ * by lane the values are those of refine_measure_roughly, to the last bit. */
 #include "base/processor.h"
 #include "exact/quick.h"
+#include "exact/shape.h"
 #include "refine/refiner.h"
 
 /* Measures the tetrahedra b[0] to b[3] are to become. */
 typedef void measure_four(const refiner *r, const tet_border *const b[4], refine_shapes *ret);
 
 static void measure_one_by_one(const refiner *r, const tet_border *const b[4], refine_shapes *ret) {
-  ret->is_over = ret->is_positive = 0;
+  ret->is_sure = ret->is_over = ret->is_positive = 0;
   for (int lane = 0; lane < 4; lane++) {
     refine_shape s;
     const uint32_t *v = b[lane]->v;
-    refine_measure_corners(r, v, &s);
+    ret->is_sure |= (uint8_t)(refine_measure_roughly(r, v, &s) << lane);
     for (int i = 0; i < 3; i++) ret->to_centre[i][lane] = s.to_centre[i];
     ret->volume6[lane] = s.volume6;
     ret->shortest2[lane] = s.shortest2;
@@ -58,7 +59,7 @@ TET_AVX2 static inline vectors corners(const double *x, const tet_border *const 
   return (vectors){{_mm256_unpacklo_pd(even, odd), _mm256_unpackhi_pd(even, odd), _mm256_set_m128d(high, low)}};
 }
 
-/* The sums and products of refine_measure, refine_over_ratio and tet_quick_orient3d, in their order and
+/* The sums and products of refine_measure_roughly, refine_over_ratio and tet_quick_orient3d, in their order and
  * none fused. */
 TET_AVX2 static void measure_avx2(const refiner *r, const tet_border *const b[4], refine_shapes *ret) {
   const double *x = r->points.x;
@@ -86,9 +87,13 @@ TET_AVX2 static void measure_avx2(const refiner *r, const tet_border *const b[4]
   __m256d holds = _mm256_and_pd(is_up, _mm256_cmp_pd(dot(centre, centre), bound, _CMP_LE_OQ));
   ret->is_over = (uint8_t)(~_mm256_movemask_pd(holds) & 15);
 
-  __m256d limit = _mm256_mul_pd(_mm256_mul_pd(_mm256_set1_pd(TET_QUICK_ORIENT3D), _mm256_mul_pd(aa, bb)), cc);
+  __m256d volume2 = _mm256_mul_pd(volume6, volume6), most = _mm256_mul_pd(_mm256_mul_pd(aa, bb), cc);
+  __m256d least_sure = _mm256_mul_pd(_mm256_set1_pd(TET_SURE_SHAPE), most);
+  ret->is_sure = (uint8_t)_mm256_movemask_pd(_mm256_cmp_pd(volume2, least_sure, _CMP_GT_OQ));
+
+  __m256d limit = _mm256_mul_pd(_mm256_set1_pd(TET_QUICK_ORIENT3D), most);
   limit = _mm256_add_pd(limit, _mm256_set1_pd(TET_QUICK_LEAST));
-  __m256d is_sure = _mm256_cmp_pd(_mm256_mul_pd(volume6, volume6), limit, _CMP_GT_OQ);
+  __m256d is_sure = _mm256_cmp_pd(volume2, limit, _CMP_GT_OQ);
   is_sure = _mm256_and_pd(is_sure, _mm256_cmp_pd(least, _mm256_set1_pd(TET_QUICK_ORIENT3D_ROW), _CMP_GT_OQ));
   ret->is_positive = (uint8_t)_mm256_movemask_pd(_mm256_and_pd(is_sure, is_up));
 }

@@ -542,6 +542,27 @@ def loose(rng):
     return pls
 
 
+@family
+def turned(rng):
+    """A lattice of points in a box, turned: all but cospherical, and tetrahedra flat but for the last bits."""
+    pls = Pls()
+    pls.add_box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+    pls.volume = 8.0
+    n = [rng.randrange(2, 6) for _ in range(3)]
+    step = tuple(rng.choice((1.0, 1.0, rng.uniform(0.7, 1))) for _ in range(3))
+    a, b, c = (rng.uniform(0, 2 * math.pi) for _ in range(3))
+    turn = ((math.cos(b) * math.cos(c), math.sin(a) * math.sin(b) * math.cos(c) - math.cos(a) * math.sin(c),
+             math.cos(a) * math.sin(b) * math.cos(c) + math.sin(a) * math.sin(c)),
+            (math.cos(b) * math.sin(c), math.sin(a) * math.sin(b) * math.sin(c) + math.cos(a) * math.cos(c),
+             math.cos(a) * math.sin(b) * math.sin(c) - math.sin(a) * math.cos(c)),
+            (-math.sin(b), math.sin(a) * math.cos(b), math.cos(a) * math.cos(b)))
+    for i in range(math.prod(n)):
+        at = (i % n[0], i // n[0] % n[1], i // n[0] // n[1])
+        x = [s * (k - (m - 1) / 2) * 0.2 for s, k, m in zip(step, at, n)]
+        pls.add_point(*(sum(r * y for r, y in zip(row, x)) for row in turn))
+    return pls
+
+
 def apart(points, parts):
     """Whether segments and points, as lists of coordinates, do not meet."""
     x = exact.scaled(points)

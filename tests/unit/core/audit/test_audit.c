@@ -363,6 +363,18 @@ static void measures_shapes(void **state) {
   assert_true(fabs(s.aspect - sqrt(1.5)) < 1e-12);
   assert_true(fabs(degrees * acos(s.cos_smallest) - 70.528779365509308) < 1e-9);
   assert_true(fabs(degrees * acos(s.cos_largest) - 70.528779365509308) < 1e-9);
+  /* a needle of a face: in doubles the angles at it depend on the vertex that one begins with */
+  const double far[12] = {1.1278055297264741e45, 1.1278055297264741e45, 1.7369343988727114e98,
+                          1.1278055297269221e45, 1.1278068908559418e45, 0,
+                          1.1278055293234235e45, 5.296973214732405e44,  0,
+                          5.6390276089619764e44, 5.6390344146070275e44, 0};
+  const tet_shape first = tet_shape_of(far, v);
+  for (uint32_t k = 1; k < 4; k++) {
+    const uint32_t turned[4] = {k, k ^ 1U, k ^ 2U, k ^ 3U};
+    s = tet_shape_of(far, turned);
+    assert_true(fabs(s.cos_smallest - first.cos_smallest) < 1e-9 && fabs(s.cos_largest - first.cos_largest) < 1e-9);
+    assert_true(fabs(s.radius_edge / first.radius_edge - 1) < 1e-9 && fabs(s.volume / first.volume - 1) < 1e-9);
+  }
 
   tet_quality q;
   assert_int_equal(tet_measure_quality(ctx, mesh, &q), TET_OK);

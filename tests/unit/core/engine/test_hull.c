@@ -110,10 +110,10 @@ static void the_smallest_clouds_are_meshed(void **state) {
 }
 
 /* Needles of lengths whose squares and products are no doubles: no plane is missed for that, and no segment cut that
- * rounding would lay beyond its facet. Most points of each are the origin again. */
+ * rounding would lay beyond its facet, and the angles found are those of the audit. Most points of each are the origin again. */
 static void clouds_of_all_lengths_are_meshed(void **state) {
   (void)state;
-  static const double cloud[3][30][3] = {
+  static const double cloud[5][30][3] = {
       {{5.964211928238371e-212, 5.964208835435795e-212, 5.964208835435795e-212},
        {5.964208835435795e-212, 5.964208835435795e-212, 5.964208835435795e-212},
        {4.66779395490141e-62, -41250583897702.4, -41255400998277.516},
@@ -128,8 +128,14 @@ static void clouds_of_all_lengths_are_meshed(void **state) {
       {{-41255400998277.516, 7.880400340385734e+115, -41255400998277.516},
        {2.15272832314e-312, 2.0546950501119772e-81, 1.113852418563315e-100},
        {2.0546950501119882e-81, 3.9571987235949102e-115, 2.0546950501119882e-81},
-       {1.112553905349468e-308, 4e-323, 0}}};
-  for (int i = 0; i < 3; i++) {
+       {1.112553905349468e-308, 4e-323, 0}},
+      {{1.1278055289660776e45, 8.741346026407978e-251, 1.152348299761205e-308},
+       {1.1278055297264741e45, 1.1278055297264741e45, 1.7369343988727114e98},
+       {1.1278055297269221e45, 1.1278068908559418e45, 9.269e-320}},
+      {{1.0696049119985664e16, -1.0568121266025976e87, 6.7e-322},
+       {1.0843961455707782e16, 1.0843961455707782e16, 1.0843961455707782e16},
+       {1.0843961447450246e16, 1.12715261048105e-307, 5.562684648340265e-308}}};
+  for (int i = 0; i < 5; i++) {
     tet_ctx *ctx;
     tet_mesh *m = NULL;
     assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/* shape.c: circumcentre and normals by exact polynomials. */
+#include "exact/shape.h"
+
+#include "exact/dyadic.h"
+
+typedef tet_dyadic_space space;
+typedef tet_dyadic num;
+
+/* A vector in each row. */
+static void differences(space *w, const double *const v[4], num ret[3][3]) {
+  for (int k = 0; k < 3; k++) {
+    num o = tet_dyadic_from_double_reduced(w, v[0][k]);
+    for (int i = 0; i < 3; i++) ret[i][k] = tet_dyadic_sub(w, tet_dyadic_from_double_reduced(w, v[i + 1][k]), o);
+  }
+}
+
+static void cross(space *w, const num a[3], const num b[3], num ret[3]) {
+  for (int k = 0; k < 3; k++) {
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    ret[k] = tet_dyadic_sub(w, tet_dyadic_mul(w, a[i], b[j]), tet_dyadic_mul(w, a[j], b[i]));
+  }
+}
+
+static num dot(space *w, const num a[3], const num b[3]) {
+  num xy = tet_dyadic_add(w, tet_dyadic_mul(w, a[0], b[0]), tet_dyadic_mul(w, a[1], b[1]));
+  return tet_dyadic_add(w, xy, tet_dyadic_mul(w, a[2], b[2]));
+}
+
+/* b x c, c x a, a x b. */
+static void normals(space *w, num from[3][3], num ret[3][3]) {
+  for (int i = 0; i < 3; i++) cross(w, from[(i + 1) % 3], from[(i + 2) % 3], ret[i]);
+}
+
+/* The power of two above |a|. */
+static int32_t top_of(const num *a) {
+  return a->exp + 64 * (int32_t)a->n - (a->n ? __builtin_clzll(a->limb[a->n - 1]) : 0);
+}
+
+static double scaled(num a, int32_t scale) {
+  a.exp += scale;
+  return tet_dyadic_to_double(&a);
+}
+
+tet_exact_shape tet_shape_exactly(const double *const v[4]) {
+  space store, *w = &store;
+  num from[3][3], normal[3][3], square[3];
+  tet_dyadic_begin(w);
+  differences(w, v, from);
+  normals(w, from, normal);
+  for (int i = 0; i < 3; i++) square[i] = dot(w, from[i], from[i]);
+  num volume = dot(w, from[0], normal[0]);
+  tet_exact_shape s = {.scale = volume.sign ? -top_of(&volume) : 0};
+  s.volume6 = scaled(volume, s.scale);
+  for (int k = 0; k < 3; k++) {
+    num column[3] = {normal[0][k], normal[1][k], normal[2][k]};
+    s.to_centre[k] = scaled(dot(w, square, column), s.scale);
+  }
+  return s;
+}
+
+void tet_normals_exactly(const double *const v[4], double ret[4][3]) {
+  space store, *w = &store;
+  num from[3][3], normal[4][3];
+  tet_dyadic_begin(w);
+  differences(w, v, from);
+  normals(w, from, normal + 1);
+  for (int k = 0; k < 3; k++) {
+    num sum = tet_dyadic_add(w, normal[1][k], normal[2][k]);
+    normal[0][k] = tet_dyadic_neg(tet_dyadic_add(w, sum, normal[3][k]));
+  }
+  for (int i = 0; i < 4; i++) {
+    int32_t top = INT32_MIN;
+    for (int k = 0; k < 3; k++)
+      if (normal[i][k].sign && top_of(&normal[i][k]) > top) top = top_of(&normal[i][k]);
+    for (int k = 0; k < 3; k++) ret[i][k] = normal[i][k].sign ? scaled(normal[i][k], -top) : 0;
+  }
+}
