@@ -9,27 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Cosines of the smallest and the largest angle between faces of outward normals n, of lengths `length`. */
-static void extreme_angles(double n[4][3], const double length[4], tet_shape *s) {
-  s->cos_smallest = -1;
-  s->cos_largest = 1;
-  for (int i = 0; i < 4; i++)
-    for (int j = i + 1; j < 4; j++) {
-      double c = -tet_dot(n[i], n[j]) / (length[i] * length[j]);
-      if (c > s->cos_smallest) s->cos_smallest = c;
-      if (c < s->cos_largest) s->cos_largest = c;
-    }
-  if (s->cos_smallest > 1) s->cos_smallest = 1;
-  if (s->cos_largest < -1) s->cos_largest = -1;
-}
-
-/* The same where doubles hold no normals of these faces. */
-static void extreme_angles_exactly(const double *const p[4], tet_shape *s) {
-  double n[4][3], length[4];
+/* Normals n of the faces, inward and of any length, and their lengths, where doubles hold none. */
+static void measure_faces_exactly(const double *const p[4], double n[4][3], double length[4]) {
   tet_normals_exactly(p, n);
   for (int i = 0; i < 4; i++) length[i] = sqrt(tet_dot(n[i], n[i]));
-  extreme_angles(n, length, s);
 }
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
 
 /* Circumradius, and six times the volume, signed, where doubles hold neither. */
 static void measure_exactly(const double *const p[4], double *ret_radius, double *ret_det) {
@@ -69,9 +55,18 @@ tet_shape tet_shape_of(const double *points, const uint32_t v[4]) {
   if (!(det * det > TET_SURE_SHAPE * (uu[0] * uu[1] * uu[2]))) measure_exactly(p, &radius, &det);
   tet_shape s = {.volume = det / 6, .radius_edge = radius / sqrt(shortest), .aspect = INFINITY};
   if (det != 0) s.aspect = sqrt(longest) * largest / fabs(det);
-  double most = fmax(fmax(uu[0] * uu[1], uu[1] * uu[2]), uu[2] * uu[0]);
-  if (smallest * smallest > TET_SURE_SHAPE * most) extreme_angles(n, area, &s);
-  else extreme_angles_exactly(p, &s);
+  double most = larger(larger(uu[0] * uu[1], uu[1] * uu[2]), uu[2] * uu[0]);
+  if (!(smallest * smallest > TET_SURE_SHAPE * most)) measure_faces_exactly(p, n, area);
+  s.cos_smallest = -1;
+  s.cos_largest = 1;
+  for (int i = 0; i < 4; i++)
+    for (int j = i + 1; j < 4; j++) {
+      double c = -tet_dot(n[i], n[j]) / (area[i] * area[j]);
+      if (c > s.cos_smallest) s.cos_smallest = c;
+      if (c < s.cos_largest) s.cos_largest = c;
+    }
+  if (s.cos_smallest > 1) s.cos_smallest = 1;
+  if (s.cos_largest < -1) s.cos_largest = -1;
   return s;
 }
 
