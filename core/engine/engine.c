@@ -14,6 +14,7 @@
 #include "engine/pack.h"
 #include "refine/refine.h"
 
+#include <math.h>
 #include <string.h>
 
 void tet_options_default(tet_options *options) {
@@ -135,14 +136,30 @@ static tet_status run(tet_ctx *ctx, const tet_pls *pls, const tet_options *optio
   return status;
 }
 
-/* The same for points without facets, whose convex hull is refined. */
+/* 1 if what failed is the surface that was made of a hull, and not the run. */
+static int is_no_surface(tet_status status) {
+  return status == TET_E_DEGENERATE || status == TET_E_NOT_PLANAR || status == TET_E_INTERSECTION ||
+         status == TET_E_OPEN || status == TET_E_SEED || status == TET_E_ROUNDING;
+}
+
+/* The same for points without facets, whose convex hull is refined. Where its facets as the points are meant give no
+ * surface, they are the faces of the hull, whatever is right below. */
 static tet_status run_cloud(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
-  tet_pls closed;
-  uint32_t *triangles = NULL, *starts = NULL;
-  tet_status status = tet_close_by_hull(ctx, pls, options->threads, &closed, &triangles, &starts);
-  if (status == TET_OK) status = run(ctx, &closed, options, ret_mesh);
-  tet_free(ctx, triangles);
-  tet_free(ctx, starts);
+  tet_hull hull;
+  tet_status status = tet_hull_build(ctx, pls, options->threads, &hull);
+  if (status != TET_OK) return status;
+  for (int exact = 0; exact < 2; exact++) {
+    tet_pls closed;
+    tet_skin skin;
+    tet_options own = *options;
+    status = tet_hull_close(ctx, pls, &hull, exact, &closed, &skin);
+    if (status != TET_OK) break;
+    own.planarity_tolerance = fmax(options->planarity_tolerance, 16 * skin.tolerance);
+    status = run(ctx, &closed, &own, ret_mesh);
+    tet_skin_free(ctx, &skin);
+    if (!is_no_surface(status)) break;
+  }
+  tet_hull_free(ctx, &hull);
   return status;
 }
 

@@ -78,7 +78,8 @@ typedef struct tet_options {
 void tet_options_default(tet_options *options);
 
 /* Meshes `pls`. Without facets there are Delaunay tetrahedra of its points, or, with TET_STAGE_REFINE, the
- * refined mesh of their convex hull, whose triangles are its facets. On success *ret_mesh is the caller's, to be freed before the
+ * refined mesh of their convex hull, whose faces are its facets, those in one plane but for the last digits of points
+ * together (report.promised.planarity says how far off). On success *ret_mesh is the caller's, to be freed before the
  * context; on failure it is untouched and tet_ctx_error(ctx) tells why. Cost:
  * about n log n in the output's size. Errors: every tet_status. */
 tet_status tet_mesh_pls(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh);

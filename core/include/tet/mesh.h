@@ -184,7 +184,7 @@ typedef struct tet_mesh {
                                 number its subfaces have; else itself */
   uint32_t n_subfaces;
   uint32_t *subfaces;        /* [n][3] */
-  uint32_t *subface_facets;  /* [n] input facet; of a system without facets, triangle of its hull */
+  uint32_t *subface_facets;  /* [n] input facet; of a system without facets, of its hull */
   int32_t *subface_markers;  /* [n] */
 
   uint32_t n_subsegments;

@@ -6,6 +6,8 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -87,6 +89,71 @@ static void points_that_are_not_listed_stay_out(void **state) {
   tet_mesh_free(m);
   assert_int_equal(tet_ctx_bytes(ctx), 0);
   tet_ctx_free(ctx);
+}
+
+enum { SIDE = 4, LATTICE = SIDE * SIDE * SIDE };
+
+/* A lattice turned by angles of 1, 2 and 3 radians, and each coordinate then moved by up to `noise`. */
+static void place_lattice(double x[LATTICE][3], double noise) {
+  uint64_t random = 9;
+  for (int i = 0; i < LATTICE; i++) {
+    double *p = x[i];
+    for (int k = 0, rest = i; k < 3; k++, rest /= SIDE) p[k] = rest % SIDE;
+    for (int k = 0; k < 3; k++) {
+      double *u = &p[k], *v = &p[(k + 1) % 3], c = cos(k + 1.0), s = sin(k + 1.0), old = *u;
+      *u = c * old - s * *v;
+      *v = s * old + c * *v;
+    }
+    for (int k = 0; k < 3; k++) {
+      random = random * 6364136223846793005u + 1442695040888963407u;
+      p[k] += noise * (ldexp((double)(random >> 11), -52) - 1);
+    }
+  }
+}
+
+/* Its hull's facets are six squares, whatever rounding has left below or above their planes. */
+static void turned_lattices_are_refined(void **state) {
+  (void)state;
+  for (int digits = 0; digits < 3; digits++) {
+    tet_ctx *ctx;
+    tet_mesh *m = NULL;
+    double x[LATTICE][3];
+    place_lattice(x, 0);
+    for (int i = 0; i < 3 * LATTICE; i++) {
+      char text[32];
+      snprintf(text, sizeof text, "%.*g", digits == 0 ? 17 : digits == 1 ? 7 : 6, x[i / 3][i % 3]);
+      x[i / 3][i % 3] = strtod(text, NULL);
+    }
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    const tet_pls cloud = {.n_points = LATTICE, .points = x[0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
+    assert_int_equal(mesh(ctx, &cloud, &m), TET_OK);
+    assert_true(m->report.audit.passed && m->report.promised.delaunay && m->report.promised.gabriel);
+    assert_int_equal(m->n_exceptions, 0);
+    assert_int_equal(m->n_slivers, 0);
+    assert_int_equal(m->report.counts.facets, 6);
+    assert_true(m->n_points < 500 && fabs(m->report.quality.volume - 27) < 1e-3);
+    tet_mesh_free(m);
+    assert_int_equal(tet_ctx_bytes(ctx), 0);
+    tet_ctx_free(ctx);
+  }
+}
+
+/* However far its points are off the planes, none of it is refined without end, nor refused. */
+static void uneven_lattices_are_refined(void **state) {
+  (void)state;
+  for (int size = -50; size < -4; size++) {
+    tet_ctx *ctx;
+    tet_mesh *m = NULL;
+    double x[LATTICE][3];
+    place_lattice(x, ldexp(1, size));
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    const tet_pls cloud = {.n_points = LATTICE, .points = x[0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
+    assert_int_equal(mesh(ctx, &cloud, &m), TET_OK);
+    assert_true(m->report.audit.passed && m->n_points < 8000);
+    tet_mesh_free(m);
+    assert_int_equal(tet_ctx_bytes(ctx), 0);
+    tet_ctx_free(ctx);
+  }
 }
 
 /* A cube of nine points, whose edges' squares and volume no double holds. */
@@ -172,6 +239,8 @@ int main(void) {
                                      cmocka_unit_test(points_that_are_not_listed_stay_out),
                                      cmocka_unit_test(the_smallest_clouds_are_meshed),
                                      cmocka_unit_test(clouds_of_all_lengths_are_meshed),
+                                     cmocka_unit_test(turned_lattices_are_refined),
+                                     cmocka_unit_test(uneven_lattices_are_refined),
                                      cmocka_unit_test(flat_clouds_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
