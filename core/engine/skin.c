@@ -163,10 +163,11 @@ static tet_status push(skinner *s, size_t *n, uint32_t value) {
   return status;
 }
 
+/* Near that of a face whose area is no double is nothing. */
 static plane plane_of(const skinner *s, uint32_t face) {
   plane at = {place(s, corner(s, face, 0)), {0, 0, 0}};
   double size = normal_of(s, face, at.normal);
-  for (int k = 0; k < 3 && size > 0; k++) at.normal[k] /= size;
+  for (int k = 0; k < 3; k++) at.normal[k] = size > 0 ? at.normal[k] / size : NAN;
   return at;
 }
 
