@@ -21,8 +21,8 @@ typedef struct tet_hull {
 tet_status tet_hull_build(tet_ctx *ctx, const tet_pls *pls, uint32_t threads, tet_hull *ret);
 
 /* *ret_pls is the hull's cloud `pls` closed by its facets, of marker 0: see skin.h. They are as flat as the points
- * were written: where some are below the hull's faces by what a double's last bits are, or a float's, or the sixth digit,
- * and hardly any by ten times that, these are on it. exact: none is, and the facets are the faces. *ret_pls refers to
+ * were written: where some are below the hull's faces by what a double's last bits are, or a float's, or the sixth
+ * digit, and hardly any by ten times that, these are on it. exact: none is, and the facets are the faces. *ret_pls refers to
  * *ret_skin, the caller's (tet_skin_free). */
 tet_status tet_hull_close(tet_ctx *ctx, const tet_pls *pls, const tet_hull *hull, int exact, tet_pls *ret_pls,
                           tet_skin *ret_skin);

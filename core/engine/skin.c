@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ON_OUTLINE = UINT32_MAX - 1 }; /* no face, nor TET_NONE */
+#define ON_OUTLINE (TET_NONE - 1) /* no face either */
 
 typedef struct skinner {
   tet_ctx *ctx;
@@ -427,7 +427,8 @@ static tet_status add_below(skinner *s, uint32_t patch, const plane *at) {
     for (uint32_t h = 4 * t; h < 4 * t + 4 && !status; h++) {
       if (s->p->adj[h] != TET_NONE) status = push(s, &n, s->p->adj[h] >> 2);
       uint32_t w = s->p->tets[h];
-      if (status || s->taken[w] != TET_NONE || !is_inside(s, s->out.polygon_vertices + start, n_outline, axis, w)) continue;
+      if (status || s->taken[w] != TET_NONE) continue;
+      if (!is_inside(s, s->out.polygon_vertices + start, n_outline, axis, w)) continue;
       s->taken[w] = patch;
       s->out.n_below++;
       status = add_point(s, w);

@@ -15,8 +15,8 @@ typedef struct tet_skin {
   uint32_t n_below;           /* vertices in facets that are below the hull's faces, or beside its edges */
 } tet_skin;
 
-/* The hull of a Delaunay tetrahedralization by facets. Faces of the hull, and vertices below, that are in one plane within
- * a `share` of the hull's width are of one facet, and vertices as near to an edge between two facets are on it: points
+/* The hull of a Delaunay tetrahedralization by facets. Faces of the hull, and vertices below, that are in one plane
+ * within a `share` of the hull's width are of one facet, and vertices as near to an edge between two facets are on it: points
  * that were turned, or read from a file, lie a rounding beside their plane, and refinement would
  * fill the gaps. A share of 0: its faces, in the order of their tetrahedra. What comes out need not be a valid surface
  * where gaps are about as wide as the share. Errors: memory, limits; *ret is untouched then. n log n. */

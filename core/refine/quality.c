@@ -78,8 +78,8 @@ int refine_is_narrow(const refiner *r, uint32_t s, double most) {
   return tet_longest(n) * length < 4 * DBL_EPSILON * most;
 }
 
-/* 1 if all normals of faces, squares nn, are longer than their errors in doubles by far, for edges of squares aa, bb, cc
- * from the first vertex, and these products are normal doubles. */
+/* 1 if all normals of faces, squares nn, are longer than their errors in doubles by far, for edges of squares aa, bb,
+ * cc from the first vertex, and these products are normal doubles. */
 static inline int are_sure(const double nn[4], double aa, double bb, double cc) {
   double most = fmax(fmax(aa * bb, bb * cc), cc * aa) * TET_SURE_SHAPE;
   if (!(most > 0x1p-450)) most = 0x1p-450;
