@@ -13,7 +13,7 @@
 #include "dual/shares.h"
 
 #include "base/vector.h"
-#include "exact/dyadic.h"
+#include "exact/dyadic_vector.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -75,26 +75,10 @@ static int parts_double(const double *const x[4], parts *p) {
 typedef tet_dyadic_space space;
 typedef tet_dyadic num;
 
-static void vector_minus(space *w, const num a[3], const num b[3], num d[3]) {
-  for (int k = 0; k < 3; k++) d[k] = tet_dyadic_sub(w, a[k], b[k]);
-}
-
-static void vector_cross(space *w, const num a[3], const num b[3], num c[3]) {
-  for (int k = 0; k < 3; k++) {
-    int i = (k + 1) % 3, j = (k + 2) % 3;
-    c[k] = tet_dyadic_sub(w, tet_dyadic_mul(w, a[i], b[j]), tet_dyadic_mul(w, a[j], b[i]));
-  }
-}
-
-static num vector_dot(space *w, const num a[3], const num b[3]) {
-  num xy = tet_dyadic_add(w, tet_dyadic_mul(w, a[0], b[0]), tet_dyadic_mul(w, a[1], b[1]));
-  return tet_dyadic_add(w, xy, tet_dyadic_mul(w, a[2], b[2]));
-}
-
 /* The dot product rounded; its limbs are given back. */
 static double rounded_dot(space *w, const num a[3], const num b[3]) {
   uint64_t *top = w->top;
-  num d = vector_dot(w, a, b);
+  num d = tet_dyadic_dot(w, a, b);
   double value = tet_dyadic_to_double(&d);
   w->top = top;
   return value;
@@ -107,19 +91,19 @@ static int parts_exact(double x[4][3], parts *p) {
   tet_dyadic_begin(w);
   for (int i = 0; i < 4; i++)
     for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, x[i][k]);
-  for (int i = 0; i < 3; i++) vector_minus(w, at[i + 1], at[0], from[i]);
-  vector_minus(w, at[2], at[1], ab);
-  vector_minus(w, at[3], at[1], ac);
-  vector_cross(w, ac, ab, n[0]);
-  for (int i = 0; i < 3; i++) vector_cross(w, from[(i + 1) % 3], from[(i + 2) % 3], n[i + 1]);
-  num det = vector_dot(w, from[0], n[1]), twice = tet_dyadic_add(w, det, det);
+  for (int i = 0; i < 3; i++) tet_dyadic_minus3(w, at[i + 1], at[0], from[i]);
+  tet_dyadic_minus3(w, at[2], at[1], ab);
+  tet_dyadic_minus3(w, at[3], at[1], ac);
+  tet_dyadic_cross(w, ac, ab, n[0]);
+  for (int i = 0; i < 3; i++) tet_dyadic_cross(w, from[(i + 1) % 3], from[(i + 2) % 3], n[i + 1]);
+  num det = tet_dyadic_dot(w, from[0], n[1]), twice = tet_dyadic_add(w, det, det);
   if (det.sign <= 0) return 0;
   p->det = tet_dyadic_to_double(&det);
   num aa[3];
-  for (int i = 0; i < 3; i++) aa[i] = vector_dot(w, from[i], from[i]);
+  for (int i = 0; i < 3; i++) aa[i] = tet_dyadic_dot(w, from[i], from[i]);
   for (int k = 0; k < 3; k++) {
     num column[3] = {n[1][k], n[2][k], n[3][k]};
-    q[k] = vector_dot(w, aa, column);
+    q[k] = tet_dyadic_dot(w, aa, column);
     p->q[k] = tet_dyadic_to_double(&q[k]);
     from1[k] = tet_dyadic_sub(w, q[k], tet_dyadic_mul(w, twice, from[0][k]));
   }
@@ -132,8 +116,8 @@ static int parts_exact(double x[4][3], parts *p) {
       uint64_t *top = w->top;
       int k = tet_edge[e][side];
       num u[3], v[3];
-      vector_minus(w, at[tet_edge[e][0]], at[k], u);
-      vector_minus(w, at[tet_edge[e][1]], at[k], v);
+      tet_dyadic_minus3(w, at[tet_edge[e][0]], at[k], u);
+      tet_dyadic_minus3(w, at[tet_edge[e][1]], at[k], v);
       p->dot[k][e] = rounded_dot(w, u, v);
       w->top = top;
     }

@@ -2,34 +2,22 @@
 /* shape.c: circumcentre and normals by exact polynomials. */
 #include "exact/shape.h"
 
-#include "exact/dyadic.h"
+#include "exact/dyadic_vector.h"
 
 typedef tet_dyadic_space space;
 typedef tet_dyadic num;
 
-/* A vector in each row. */
+/* From the first vertex to the others, a vector in each row. */
 static void differences(space *w, const double *const v[4], num ret[3][3]) {
-  for (int k = 0; k < 3; k++) {
-    num o = tet_dyadic_from_double_reduced(w, v[0][k]);
-    for (int i = 0; i < 3; i++) ret[i][k] = tet_dyadic_sub(w, tet_dyadic_from_double_reduced(w, v[i + 1][k]), o);
-  }
-}
-
-static void cross(space *w, const num a[3], const num b[3], num ret[3]) {
-  for (int k = 0; k < 3; k++) {
-    int i = (k + 1) % 3, j = (k + 2) % 3;
-    ret[k] = tet_dyadic_sub(w, tet_dyadic_mul(w, a[i], b[j]), tet_dyadic_mul(w, a[j], b[i]));
-  }
-}
-
-static num dot(space *w, const num a[3], const num b[3]) {
-  num xy = tet_dyadic_add(w, tet_dyadic_mul(w, a[0], b[0]), tet_dyadic_mul(w, a[1], b[1]));
-  return tet_dyadic_add(w, xy, tet_dyadic_mul(w, a[2], b[2]));
+  num at[4][3];
+  for (int i = 0; i < 4; i++)
+    for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, v[i][k]);
+  for (int i = 0; i < 3; i++) tet_dyadic_minus3(w, at[i + 1], at[0], ret[i]);
 }
 
 /* b x c, c x a, a x b. */
 static void normals(space *w, num from[3][3], num ret[3][3]) {
-  for (int i = 0; i < 3; i++) cross(w, from[(i + 1) % 3], from[(i + 2) % 3], ret[i]);
+  for (int i = 0; i < 3; i++) tet_dyadic_cross(w, from[(i + 1) % 3], from[(i + 2) % 3], ret[i]);
 }
 
 /* The power of two above |a|. */
@@ -48,13 +36,13 @@ tet_exact_shape tet_shape_exactly(const double *const v[4]) {
   tet_dyadic_begin(w);
   differences(w, v, from);
   normals(w, from, normal);
-  for (int i = 0; i < 3; i++) square[i] = dot(w, from[i], from[i]);
-  num volume = dot(w, from[0], normal[0]);
+  for (int i = 0; i < 3; i++) square[i] = tet_dyadic_dot(w, from[i], from[i]);
+  num volume = tet_dyadic_dot(w, from[0], normal[0]);
   tet_exact_shape s = {.scale = volume.sign ? -top_of(&volume) : 0};
   s.volume6 = scaled(volume, s.scale);
   for (int k = 0; k < 3; k++) {
     num column[3] = {normal[0][k], normal[1][k], normal[2][k]};
-    s.to_centre[k] = scaled(dot(w, square, column), s.scale);
+    s.to_centre[k] = scaled(tet_dyadic_dot(w, square, column), s.scale);
   }
   return s;
 }
