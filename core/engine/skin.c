@@ -8,6 +8,7 @@
 #include "base/sort.h"
 #include "base/vector.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -117,20 +118,23 @@ static tet_status list_faces(skinner *s) {
 }
 
 /* A share of the width, which is about six volumes over the area: 1 of a unit cube; but less than any edge of the hull,
- * as what is smaller is in every plane. 0 where doubles hold no squares of such lengths. */
+ * as what is smaller is in every plane. 0 where doubles hold no squares of such lengths, or no such distances. */
 static void set_tolerance(skinner *s, double share) {
-  double volume6 = 0, area2 = 0, shortest2 = INFINITY, n[3];
+  double volume6 = 0, area2 = 0, shortest2 = INFINITY, size = 0, n[3];
   const double *o = place(s, corner(s, 0, 0));
   for (uint32_t f = 0; f < s->n_faces; f++) {
     double d[3];
     area2 += normal_of(s, f, n);
     tet_minus(place(s, corner(s, f, 0)), o, d);
     volume6 += tet_dot(d, n);
-    for (uint32_t j = 0; j < 3; j++)
+    for (uint32_t j = 0; j < 3; j++) {
       shortest2 = fmin(shortest2, tet_distance2(place(s, corner(s, f, j)), place(s, corner(s, f, j + 1))));
+      size = fmax(size, tet_longest(place(s, corner(s, f, j))));
+    }
   }
   double width = 2 * volume6 / area2;
   s->tolerance = width > 1e-90 && width < 1e90 && area2 < 1e90 ? fmin(share * width, sqrt(shortest2) / 8) : 0;
+  if (!(s->tolerance > 2 * DBL_EPSILON * size)) s->tolerance = 0;
 }
 
 /* A plane through a face, of unit normal. */
