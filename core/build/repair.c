@@ -49,12 +49,6 @@ int tet_repair_is_positive(const repair *r, uint32_t t) {
 
 static uint32_t tri_at(const repair *r, uint32_t h) { return (*r->tri)[h]; }
 
-/* The place of vertex a in t. */
-static uint32_t place(const repair *r, uint32_t t, uint32_t a) {
-  const uint32_t *v = r->p->tets + 4 * (size_t)t;
-  return v[0] == a ? 0 : v[1] == a ? 1 : v[2] == a ? 2 : 3;
-}
-
 static tet_status push(repair *r, uint32_t t) {
   return tet_push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, t);
 }
@@ -173,7 +167,7 @@ static int remove_edge(const repair *r, uint32_t h, uint32_t x, uint32_t y, uint
   const tet_pieces *p = r->p;
   uint32_t g = p->adj[h], t = h >> 2, o = g >> 2, d = p->tets[h], e = p->tets[g];
   if (tet_edge_map_get(&r->subsegs, x, y) != TET_NONE) return 0;
-  uint32_t a = 4 * t + place(r, t, z), b = 4 * o + place(r, o, z);
+  uint32_t a = 4 * t + tet_corner_of(r->p, t, z), b = 4 * o + tet_corner_of(r->p, o, z);
   uint32_t na = p->adj[a], nb = p->adj[b];
   *f = (flip){.old = {t, o}, .n_old = 2, .x = x, .y = y, .d = d, .e = e, .facet_tri = {tri_at(r, a), tri_at(r, b)}};
   f->in_facet = f->facet_tri[0] != TET_NONE;
@@ -185,8 +179,9 @@ static int remove_edge(const repair *r, uint32_t h, uint32_t x, uint32_t y, uint
     f->old[f->n_old++] = na >> 2;
     return !f->in_facet;
   }
-  uint32_t w = p->tets[na], t2 = na >> 2, o2 = nb >> 2, between = 4 * t2 + place(r, t2, d);
-  if (p->tets[nb] != w || p->adj[between] != 4 * o2 + place(r, o2, e) || tri_at(r, between) != TET_NONE) return 0;
+  uint32_t w = p->tets[na], t2 = na >> 2, o2 = nb >> 2, between = 4 * t2 + tet_corner_of(p, t2, d);
+  if (p->tets[nb] != w || p->adj[between] != 4 * o2 + tet_corner_of(p, o2, e)) return 0;
+  if (tri_at(r, between) != TET_NONE) return 0;
   f->old[f->n_old++] = t2;
   f->old[f->n_old++] = o2;
   add(f, y, d, w, e);

@@ -145,21 +145,18 @@ static int is_no_surface(tet_status status) {
 /* The same for points without facets, whose convex hull is refined. Where its facets as the points are meant give no
  * surface, they are the faces of the hull, whatever is right below. */
 static tet_status run_cloud(tet_ctx *ctx, const tet_pls *pls, const tet_options *options, tet_mesh **ret_mesh) {
-  tet_hull hull;
-  tet_status status = tet_hull_build(ctx, pls, options->threads, &hull);
-  if (status != TET_OK) return status;
+  tet_status status = TET_OK;
   for (int exact = 0; exact < 2; exact++) {
     tet_pls closed;
     tet_skin skin;
     tet_options own = *options;
-    status = tet_hull_close(ctx, pls, &hull, exact, &closed, &skin);
+    status = tet_close_by_hull(ctx, pls, options->threads, exact, &closed, &skin);
     if (status != TET_OK) break;
     own.planarity_tolerance = fmax(options->planarity_tolerance, 16 * skin.tolerance);
     status = run(ctx, &closed, &own, ret_mesh);
     tet_skin_free(ctx, &skin);
     if (!is_no_surface(status)) break;
   }
-  tet_hull_free(ctx, &hull);
   return status;
 }
 

@@ -17,11 +17,14 @@
 typedef struct skinner {
   tet_ctx *ctx;
   const tet_pieces *p;
-  double tolerance;
+  double width, most; /* of the hull; the largest tolerance that its edges allow */
+  double least;       /* tolerances are above that, or doubles hold no distances */
   uint32_t n_faces;
   uint32_t *handle;   /* [n_faces] of a tetrahedron, ascending */
-  uint32_t *face_of;  /* [n_tets][4] or TET_NONE */
   uint32_t *beside;   /* [n_faces][3] edge handles across; edge j runs from corner j to corner j + 1 */
+
+  /* by one share */
+  double tolerance;
   uint32_t *seed;     /* [n_faces] the largest face of its patch */
   uint32_t *patch;    /* [n_faces] the first face of it */
   uint32_t *after;    /* [n_faces] the next face of it, or TET_NONE */
@@ -32,7 +35,7 @@ typedef struct skinner {
   uint32_t *link;     /* a count, and that many vertices, the first but not the last of the edge among them */
   uint32_t *next;     /* [n_points] the patch's outline: edge handle that leaves a vertex, or TET_NONE */
   uint32_t *stack;
-  uint32_t n_vertices; /* in `out` */
+  size_t n_vertices; /* in `out` */
   size_t n_link, cap_link, cap_stack, cap_polygon, cap_vertices;
   tet_skin out;
 } skinner;
@@ -61,11 +64,8 @@ static uint32_t fourth(const skinner *s, uint32_t t, uint32_t a, uint32_t b, uin
   return v[0] ^ v[1] ^ v[2] ^ v[3] ^ a ^ b ^ x;
 }
 
-static uint32_t opposite(const skinner *s, uint32_t t, uint32_t x) {
-  uint32_t h = 4 * t;
-  while (s->p->tets[h] != x) h++;
-  return h;
-}
+/* The face of t opposite its vertex x. */
+static uint32_t opposite(const skinner *s, uint32_t t, uint32_t x) { return 4 * t + tet_corner_of(s->p, t, x); }
 
 /* From the tetrahedron at face handle h, around its edge ab, to the other face of the hull there. */
 static uint32_t around(const skinner *s, uint32_t h, uint32_t a, uint32_t b) {
@@ -78,48 +78,52 @@ static uint32_t around(const skinner *s, uint32_t h, uint32_t a, uint32_t b) {
   }
 }
 
-static tet_status list_faces(skinner *s) {
+static tet_status allocate(skinner *s) {
   const tet_pieces *p = s->p;
-  size_t n_handles = 4 * (size_t)p->n_tets, n = 0;
-  for (size_t h = 0; h < n_handles; h++) n += p->adj[h] == TET_NONE;
-  s->n_faces = (uint32_t)n;
+  size_t n = s->n_faces;
   s->handle = tet_alloc(s->ctx, n, sizeof *s->handle);
-  s->face_of = tet_alloc(s->ctx, n_handles, sizeof *s->face_of);
   s->beside = tet_alloc(s->ctx, 3 * n, sizeof *s->beside);
   s->chain = tet_alloc(s->ctx, 3 * n, sizeof *s->chain);
   s->seed = tet_alloc(s->ctx, n, sizeof *s->seed);
   s->patch = tet_alloc(s->ctx, n, sizeof *s->patch);
   s->after = tet_alloc(s->ctx, n, sizeof *s->after);
-  s->listed = tet_calloc(s->ctx, p->n_points, 1);
+  s->listed = tet_alloc(s->ctx, p->n_points, 1);
   s->taken = tet_alloc(s->ctx, p->n_points, sizeof *s->taken);
   s->next = tet_alloc(s->ctx, p->n_points, sizeof *s->next);
   s->seen = tet_alloc(s->ctx, p->n_tets, sizeof *s->seen);
-  if (!s->handle || !s->face_of || !s->beside || !s->chain || !s->seed || !s->patch || !s->after || !s->listed ||
-      !s->taken || !s->next || !s->seen)
-    return TET_E_MEMORY;
-  memset(s->face_of, 0xff, n_handles * sizeof *s->face_of);
-  memset(s->taken, 0xff, p->n_points * sizeof *s->taken);
+  s->out.facet_start = tet_alloc(s->ctx, n + 1, sizeof *s->out.facet_start);
+  int ok = s->handle && s->beside && s->chain && s->seed && s->patch && s->after && s->listed && s->taken && s->next &&
+           s->seen && s->out.facet_start;
+  if (!ok) return TET_E_MEMORY;
   memset(s->next, 0xff, p->n_points * sizeof *s->next);
-  memset(s->seen, 0xff, p->n_tets * sizeof *s->seen);
-  n = 0;
-  for (size_t h = 0; h < n_handles; h++)
-    if (p->adj[h] == TET_NONE) {
-      s->face_of[h] = (uint32_t)n;
-      s->handle[n++] = (uint32_t)h;
-    }
-  for (uint32_t e = 0; e < 3 * s->n_faces; e++) {
-    uint32_t a = tail(s, e), b = corner(s, e / 3, e % 3 + 1);
-    uint32_t g = s->face_of[around(s, s->handle[e / 3], a, b)], j = 0;
-    while (corner(s, g, j) != b) j++;
-    s->beside[e] = 3 * g + j;
-    s->seed[e / 3] = e / 3;
-  }
-  return TET_OK;
+  return tet_grow(s->ctx, &s->out.polygon_start, &s->cap_polygon, 2, sizeof *s->out.polygon_start);
 }
 
-/* A share of the width, which is about six volumes over the area: 1 of a unit cube; but less than any edge of the hull,
- * as what is smaller is in every plane. 0 where doubles hold no squares of such lengths, or no such distances. */
-static void set_tolerance(skinner *s, double share) {
+/* The hull's faces, and what is across their edges. */
+static tet_status list_faces(skinner *s) {
+  const uint32_t *adj = s->p->adj;
+  size_t n_handles = 4 * (size_t)s->p->n_tets;
+  for (size_t h = 0; h < n_handles; h++) s->n_faces += adj[h] == TET_NONE;
+  uint32_t *face_of = tet_alloc(s->ctx, n_handles, sizeof *face_of); /* of those handles alone */
+  tet_status status = face_of ? allocate(s) : TET_E_MEMORY;
+  for (size_t h = 0, n = 0; h < n_handles && !status; h++)
+    if (adj[h] == TET_NONE) {
+      face_of[h] = (uint32_t)n;
+      s->handle[n++] = (uint32_t)h;
+    }
+  for (uint32_t e = 0; e < 3 * s->n_faces && !status; e++) {
+    uint32_t a = tail(s, e), b = corner(s, e / 3, e % 3 + 1);
+    uint32_t g = face_of[around(s, s->handle[e / 3], a, b)], j = 0;
+    while (corner(s, g, j) != b) j++;
+    s->beside[e] = 3 * g + j;
+  }
+  tet_free(s->ctx, face_of);
+  return status;
+}
+
+/* The width is about six volumes over the area: 1 of a unit cube; 0 where doubles hold no squares of such lengths. What
+ * is smaller than a tolerance is in every plane: so that is less than any edge of the hull. */
+static void measure_hull(skinner *s) {
   double volume6 = 0, area2 = 0, shortest2 = INFINITY, size = 0, n[3];
   const double *o = place(s, corner(s, 0, 0));
   for (uint32_t f = 0; f < s->n_faces; f++) {
@@ -133,8 +137,9 @@ static void set_tolerance(skinner *s, double share) {
     }
   }
   double width = 2 * volume6 / area2;
-  s->tolerance = width > 1e-90 && width < 1e90 && area2 < 1e90 ? fmin(share * width, sqrt(shortest2) / 8) : 0;
-  if (!(s->tolerance > 2 * DBL_EPSILON * size)) s->tolerance = 0;
+  s->width = width > 1e-90 && width < 1e90 && area2 < 1e90 ? width : 0;
+  s->most = sqrt(shortest2) / 8;
+  s->least = 2 * DBL_EPSILON * size;
 }
 
 /* A plane through a face, of unit normal. */
@@ -164,9 +169,7 @@ static int is_alike(const skinner *s, const plane *at, uint32_t face) {
 }
 
 static tet_status push(skinner *s, size_t *n, uint32_t value) {
-  tet_status status = tet_grow(s->ctx, &s->stack, &s->cap_stack, *n + 1, sizeof *s->stack);
-  if (!status) s->stack[(*n)++] = value;
-  return status;
+  return tet_push(s->ctx, &s->stack, n, &s->cap_stack, value);
 }
 
 /* Near that of a face whose area is no double is nothing. */
@@ -315,9 +318,7 @@ static uint32_t find_beside(const skinner *s, const ridge *at, uint32_t a, uint3
 }
 
 static tet_status add_link(skinner *s, uint32_t value) {
-  tet_status status = tet_grow(s->ctx, &s->link, &s->cap_link, s->n_link + 1, sizeof *s->link);
-  if (!status) s->link[s->n_link++] = value;
-  return status;
+  return tet_push(s->ctx, &s->link, &s->n_link, &s->cap_link, value);
 }
 
 /* Divides edge e between two patches at all that is beside it. On the stack: the ends to come, each with
@@ -362,10 +363,7 @@ static tet_status divide_edges(skinner *s) {
 }
 
 static tet_status add_vertex(skinner *s, uint32_t v) {
-  uint32_t **all = &s->out.polygon_vertices;
-  tet_status status = tet_grow(s->ctx, all, &s->cap_vertices, (size_t)s->n_vertices + 1, sizeof **all);
-  if (!status) (*all)[s->n_vertices++] = v;
-  return status;
+  return tet_push(s->ctx, &s->out.polygon_vertices, &s->n_vertices, &s->cap_vertices, v);
 }
 
 /* What was added since the last one is a polygon. */
@@ -373,7 +371,7 @@ static tet_status end_polygon(skinner *s) {
   tet_skin *o = &s->out;
   tet_status status =
       tet_grow(s->ctx, &o->polygon_start, &s->cap_polygon, (size_t)o->n_polygons + 2, sizeof *o->polygon_start);
-  if (!status) o->polygon_start[++o->n_polygons] = s->n_vertices;
+  if (!status) o->polygon_start[++o->n_polygons] = (uint32_t)s->n_vertices;
   return status;
 }
 
@@ -459,10 +457,7 @@ static tet_status add_facet(skinner *s, uint32_t patch) {
 
 static tet_status add_facets(skinner *s) {
   tet_skin *o = &s->out;
-  o->facet_start = tet_alloc(s->ctx, (size_t)s->n_faces + 1, sizeof *o->facet_start);
-  tet_status status = o->facet_start ? TET_OK : TET_E_MEMORY;
-  if (!status) status = tet_grow(s->ctx, &o->polygon_start, &s->cap_polygon, 2, sizeof *o->polygon_start);
-  if (!status) o->polygon_start[0] = 0;
+  tet_status status = TET_OK;
   for (uint32_t f = 0; f < s->n_faces && !status; f++) {
     if (s->patch[f] == f) status = add_facet(s, f);
     if (!status && (f & 1023) == 0) status = tet_poll(s->ctx);
@@ -471,21 +466,56 @@ static tet_status add_facets(skinner *s) {
   return status;
 }
 
-tet_status tet_skin_build(tet_ctx *ctx, const tet_pieces *pieces, double share, tet_skin *ret) {
-  skinner s = {.ctx = ctx, .p = pieces};
-  tet_status status = list_faces(&s);
-  if (!status) set_tolerance(&s, share);
-  if (!status && s.tolerance > 0) status = make_patches(&s);
-  if (!status) {
-    number_patches(&s);
-    part_others(&s);
-    status = divide_edges(&s);
+/* Fills `out` anew, by a share of the width; 0: with the faces. */
+static tet_status build(skinner *s, double share) {
+  tet_skin *o = &s->out;
+  double tolerance = fmin(share * s->width, s->most);
+  s->tolerance = o->tolerance = tolerance > s->least ? tolerance : 0;
+  o->n_facets = o->n_polygons = o->n_below = o->polygon_start[0] = 0;
+  s->n_vertices = s->n_link = 0;
+  memset(s->taken, 0xff, s->p->n_points * sizeof *s->taken);
+  memset(s->listed, 0, s->p->n_points);
+  memset(s->seen, 0xff, s->p->n_tets * sizeof *s->seen);
+  for (uint32_t f = 0; f < s->n_faces; f++) s->seed[f] = f;
+  tet_status status = s->tolerance > 0 ? make_patches(s) : TET_OK;
+  if (status) return status;
+  number_patches(s);
+  part_others(s);
+  status = divide_edges(s);
+  return status ? status : add_facets(s);
+}
+
+/* The share of the width within which some points are below the hull's faces, and within ten or more times that not a
+ * tenth more; of several the least, but for such as have twice the points; that of doubles if there is none. */
+static tet_status choose_share(skinner *s, double *ret) {
+  static const double share[] = {1e-12, 1e-9, 1e-6, 3e-5, 3e-4};
+  enum { LAST = sizeof share / sizeof *share - 1 };
+  tet_status status = build(s, share[LAST]);
+  uint32_t n = 0, most = 0, all = s->out.n_below;
+  *ret = share[0];
+  if (status || !all) return status; /* mostly nothing is near */
+  for (int k = 0; k <= LAST && !status; k++) {
+    if (k < LAST) status = build(s, share[k]);
+    uint32_t more = k < LAST ? s->out.n_below : all;
+    if (!status && n && n / 2 >= most && more <= n + n / 10) {
+      *ret = share[k - 1];
+      most = n;
+    }
+    n = more;
   }
-  if (!status) status = add_facets(&s);
-  void *all[] = {s.handle, s.face_of, s.beside, s.seed, s.patch, s.after, s.taken, s.listed,
-                 s.seen,   s.chain,   s.link,   s.next, s.stack};
+  return status;
+}
+
+tet_status tet_skin_build(tet_ctx *ctx, const tet_pieces *pieces, int exact, tet_skin *ret) {
+  skinner s = {.ctx = ctx, .p = pieces};
+  double share = 0;
+  tet_status status = list_faces(&s);
+  if (!status) measure_hull(&s);
+  if (!status && !exact) status = choose_share(&s, &share);
+  if (!status) status = build(&s, share);
+  void *all[] = {s.handle, s.beside, s.seed,  s.patch, s.after, s.taken,
+                 s.listed, s.seen,   s.chain, s.link,  s.next,  s.stack};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
-  s.out.tolerance = s.tolerance;
   if (status) tet_skin_free(ctx, &s.out);
   else *ret = s.out;
   return status;

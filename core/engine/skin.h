@@ -15,12 +15,13 @@ typedef struct tet_skin {
   uint32_t n_below;           /* vertices in facets that are below the hull's faces, or beside its edges */
 } tet_skin;
 
-/* The hull of a Delaunay tetrahedralization by facets. Faces of the hull, and vertices below, that are in one plane
- * within a `share` of the hull's width are of one facet, and vertices as near to an edge between two facets are on it: points
- * that were turned, or read from a file, lie a rounding beside their plane, and refinement would
- * fill the gaps. A share of 0: its faces, in the order of their tetrahedra. What comes out need not be a valid surface
- * where gaps are about as wide as the share. Errors: memory, limits; *ret is untouched then. n log n. */
-tet_status tet_skin_build(tet_ctx *ctx, const tet_pieces *pieces, double share, tet_skin *ret);
+/* The hull of a Delaunay tetrahedralization by facets, which are as flat as the points were written. Faces in one plane
+ * within a share of the hull's width are of one facet, and vertices as little below are in it, or on an edge between
+ * two: points that were turned, or read from a file, lie a rounding beside their plane, and refinement would fill the
+ * gaps. The share is that of a double's last bits, a float's, or the sixth digit (3e-5): one by which some points are
+ * below the faces, and hardly any by ten times that. exact: the facets are the faces, in the order of their
+ * tetrahedra; else they need not be a valid surface. Errors: memory, limits; *ret is untouched then. n log n. */
+tet_status tet_skin_build(tet_ctx *ctx, const tet_pieces *pieces, int exact, tet_skin *ret);
 
 void tet_skin_free(tet_ctx *ctx, tet_skin *skin);
 

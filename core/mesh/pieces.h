@@ -75,6 +75,12 @@ typedef struct tet_pieces {
   double *region_max_volume;   /* [n]; 0: none */
 } tet_pieces;
 
+/* Which corner of tetrahedron t vertex v is, which it has. */
+static inline uint32_t tet_corner_of(const tet_pieces *p, uint32_t t, uint32_t v) {
+  const uint32_t *w = p->tets + 4 * (size_t)t;
+  return w[0] == v ? 0 : w[1] == v ? 1 : w[2] == v ? 2 : 3;
+}
+
 /* Frees all arrays of `p` and clears it. */
 void tet_pieces_free(tet_ctx *ctx, tet_pieces *p);
 

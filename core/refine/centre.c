@@ -9,7 +9,7 @@
 /* The quotient. */
 static void exact_centre(const refiner *r, const uint32_t v[4], double ret[3]) {
   const double *x[4];
-  for (int i = 0; i < 4; i++) x[i] = refine_x(r, v[i]);
+  refine_places(r, v, x);
   tet_exact_shape s = tet_shape_exactly(x);
   for (int k = 0; k < 3; k++) ret[k] = x[0][k] + s.to_centre[k] / (2 * s.volume6);
 }

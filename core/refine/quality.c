@@ -39,15 +39,10 @@ int refine_measure_roughly(const refiner *r, const uint32_t v[4], refine_shape *
   return ret->volume6 * ret->volume6 > TET_SURE_SHAPE * (aa * bb * cc);
 }
 
-/* The corners' places. */
-static inline void places(const refiner *r, const uint32_t v[4], const double *ret[4]) {
-  for (int i = 0; i < 4; i++) ret[i] = refine_x(r, v[i]);
-}
-
 void refine_measure_corners(const refiner *r, const uint32_t v[4], refine_shape *ret) {
   if (refine_measure_roughly(r, v, ret)) return;
   const double *x[4];
-  places(r, v, x);
+  refine_places(r, v, x);
   tet_exact_shape s = tet_shape_exactly(x);
   ret->volume6 = ldexp(s.volume6, -s.scale);
   for (int i = 0; i < 3; i++) ret->to_centre[i] = ldexp(s.to_centre[i], -s.scale);
@@ -92,7 +87,7 @@ static inline int are_sure(const double nn[4], double aa, double bb, double cc) 
  * inwards. */
 double refine_sharpest(const refiner *r, const uint32_t v[4]) {
   const double *x[4];
-  places(r, v, x);
+  refine_places(r, v, x);
   double a[3], b[3], c[3], n[4][3], nn[4], most = 0;
   tet_minus(x[1], x[0], a);
   tet_minus(x[2], x[0], b);

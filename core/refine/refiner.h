@@ -125,7 +125,6 @@ typedef struct refine_spoke {
   uint32_t a, b, sub, inner, outer;
 } refine_spoke;
 
-/* What a candidate p would retriangulate, and how, beside mesh.cavity and mesh.border. */
 /* Four tetrahedra between the new point and the border, lane by lane as refine_shape, in doubles. */
 typedef struct refine_shapes {
   double to_centre[3][4], volume6[4], shortest2[4];
@@ -134,6 +133,7 @@ typedef struct refine_shapes {
   uint8_t is_positive; /* bit i: lane i is positive for certain; else that is not known */
 } refine_shapes;
 
+/* What a candidate p would retriangulate, and how, beside mesh.cavity and mesh.border. */
 typedef struct refine_cavity {
   uint32_t p;            /* vertex, the last one */
   uint32_t segment;      /* subsegment being split, or TET_NONE */
@@ -243,6 +243,10 @@ extern const uint8_t refine_edge[6][2];
 extern const uint8_t refine_edge_of[4][4];
 
 static inline const double *refine_x(const refiner *r, uint32_t v) { return r->points.x + 3 * (size_t)v; }
+/* Where the corners of v are. */
+static inline void refine_places(const refiner *r, const uint32_t v[4], const double *ret[4]) {
+  for (int i = 0; i < 4; i++) ret[i] = refine_x(r, v[i]);
+}
 static inline int refine_alive(const refiner *r, uint32_t t) { return tet_is_live(&r->mesh, t); }
 /* The subface at face h, or TET_NONE. */
 static inline uint32_t refine_sub_at(const refiner *r, size_t h) {

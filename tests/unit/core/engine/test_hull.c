@@ -177,7 +177,8 @@ static void the_smallest_clouds_are_meshed(void **state) {
 }
 
 /* Needles of lengths whose squares and products are no doubles: no plane is missed for that, and no segment cut that
- * rounding would lay beyond its facet, and the angles found are those of the audit. Most points of each are the origin again. */
+ * rounding would lay beyond its facet, and the angles found are those of the audit. Most points of each are the
+ * origin again. */
 static void clouds_of_all_lengths_are_meshed(void **state) {
   (void)state;
   static const double cloud[5][30][3] = {
