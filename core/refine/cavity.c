@@ -185,6 +185,7 @@ static int sees(const refiner *r, uint32_t h, int is_positive) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)(h >> 2);
   const uint8_t *f = tet_face[h & 3];
   uint32_t w[4] = {r->cavity.p, v[f[0]], v[f[1]], v[f[2]]};
+  if (r->cavity.restar) return refine_is_positive(r, w); /* p may be on more polytopes than the others */
   if (!is_positive && tet_orient3d(&r->points, w[0], w[1], w[2], w[3]) <= 0) return 0;
   return r->out->origin[w[0]] == TET_ORIGIN_VOLUME || !refine_is_flat(r, w);
 }
