@@ -13,6 +13,7 @@
 #include "base/sort.h"
 #include "base/vector.h"
 #include "exact/predicates.h"
+#include "exact/shape.h"
 
 #include <math.h>
 #include <string.h>
@@ -62,19 +63,7 @@ void tet_view_facet(const tet_pls *pls, const tet_mesh *mesh, uint32_t f, tet_fa
     *ret_view = view;
     return;
   }
-  double d[3][3], n[3], most = -1;
-  const double *x[3] = {place(mesh, view.v[0]), place(mesh, view.v[1]), place(mesh, view.v[2])};
-  int far = 0; /* by its shorter sides: of a needle's longer ones the normal would be noise */
-  for (int k = 0; k < 3; k++) {
-    tet_minus(x[(k + 1) % 3], x[k], d[k]);
-    if (tet_longest(d[k]) > tet_longest(d[far])) far = k;
-  }
-  tet_cross(d[(far + 1) % 3], d[(far + 2) % 3], n);
-  for (int k = 0; k < 3; k++) {
-    if (fabs(n[k]) <= most || tet_orient2d_xyz(k, x[0], x[1], x[2]) == 0) continue;
-    most = fabs(n[k]);
-    view.axis = (uint8_t)k;
-  }
+  view.axis = (uint8_t)tet_widest_axis(place(mesh, view.v[0]), place(mesh, view.v[1]), place(mesh, view.v[2]));
   *ret_view = view;
 }
 

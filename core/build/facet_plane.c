@@ -8,6 +8,7 @@
 #include "base/vector.h"
 #include "build/facet_work.h"
 #include "exact/predicates.h"
+#include "exact/shape.h"
 
 /* (b - a) / scale */
 static void difference(const tet_soup *s, uint32_t a, uint32_t b, double scale, double d[3]) {
@@ -30,29 +31,9 @@ void tet_soup_normal(const tet_soup *s, uint32_t a, uint32_t b, uint32_t c, doub
   tet_cross(u, v, ret_n);
 }
 
-/* Axes by falling |n|. */
-static void sort_axes(const double n[3], int axis[3]) {
-  for (int k = 0; k < 3; k++) axis[k] = k;
-  for (int i = 0; i < 2; i++)
-    for (int k = 0; k < 2 - i; k++)
-      if (fabs(n[axis[k]]) < fabs(n[axis[k + 1]])) {
-        int swap = axis[k];
-        axis[k] = axis[k + 1];
-        axis[k + 1] = swap;
-      }
-}
-
 int tet_projection_axis(const tet_soup *s, uint32_t a, uint32_t b, uint32_t c, int *ret_axis) {
-  double n[3];
-  int axis[3];
-  tet_soup_normal(s, a, b, c, n);
-  sort_axes(n, axis);
-  for (int k = 0; k < 3; k++) {
-    int sign = tet_orient2d(s->points, axis[k], a, b, c);
-    *ret_axis = axis[k];
-    if (sign != 0) return sign;
-  }
-  return 0;
+  *ret_axis = tet_widest_axis(tet_soup_x(s, a), tet_soup_x(s, b), tet_soup_x(s, c));
+  return tet_orient2d(s->points, *ret_axis, a, b, c);
 }
 
 uint32_t tet_corner_off(const tet_soup *s, uint32_t a, uint32_t b, uint32_t c) {
@@ -230,9 +211,9 @@ void tet_facet_plane(tet_facet_work *w, int *ret_area) {
     return;
   }
   if (largest_loop(w, n) == TET_NONE) tet_soup_normal(w->s, t[0], t[1], t[2], n);
-  int axis[3];
   straighten(w, t, n);
-  sort_axes(n, axis);
-  w->axis = axis[0];
+  w->axis = 0;
+  for (int k = 1; k < 3; k++)
+    if (fabs(n[k]) > fabs(n[w->axis])) w->axis = k;
   w->deviation = measure_deviation(w, n_own, n);
 }

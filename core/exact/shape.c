@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/* shape.c: circumcentre and normals by exact polynomials. */
+/* shape.c: circumcentre and normals by exact polynomials; an axis by such where doubles do not tell. */
 #include "exact/shape.h"
 
+#include "base/vector.h"
 #include "exact/dyadic_vector.h"
+
+#include <float.h>
+#include <math.h>
 
 typedef tet_dyadic_space space;
 typedef tet_dyadic num;
@@ -63,4 +67,40 @@ void tet_normals_exactly(const double *const v[4], double ret[4][3]) {
       if (normal[i][k].sign && top_of(&normal[i][k]) > top) top = top_of(&normal[i][k]);
     for (int k = 0; k < 3; k++) ret[i][k] = normal[i][k].sign ? scaled(normal[i][k], -top) : 0;
   }
+}
+
+/* The axis of n's longest coordinate, or -1 where doubles, wrong by up to `error`, do not tell. */
+static int longest_axis(const double n[3], const double error[3]) {
+  int k = fabs(n[1]) > fabs(n[0]);
+  if (fabs(n[2]) > fabs(n[k])) k = 2;
+  for (int i = 0; i < 3; i++)
+    if (i != k && !(fabs(n[k]) - error[k] > fabs(n[i]) + error[i])) return -1;
+  return fabs(n[k]) > 0x1p-900 && fabs(n[k]) < 0x1p900 ? k : -1;
+}
+
+int tet_widest_axis(const double a[3], const double b[3], const double c[3]) {
+  double u[3], v[3], n[3], error[3];
+  tet_minus(b, a, u);
+  tet_minus(c, a, v);
+  tet_cross(u, v, n);
+  for (int k = 0; k < 3; k++) {
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    error[k] = 8 * DBL_EPSILON * (fabs(u[i] * v[j]) + fabs(u[j] * v[i]));
+  }
+  int axis = longest_axis(n, error);
+  if (axis >= 0) return axis;
+  space store, *w = &store;
+  const double *const x[3] = {a, b, c};
+  num at[3][3], from[2][3], normal[3];
+  tet_dyadic_begin(w);
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, x[i][k]);
+  for (int i = 0; i < 2; i++) tet_dyadic_minus3(w, at[i + 1], at[0], from[i]);
+  tet_dyadic_cross(w, from[0], from[1], normal);
+  axis = 0;
+  for (int k = 0; k < 3; k++) {
+    if (normal[k].sign < 0) normal[k] = tet_dyadic_neg(normal[k]);
+    if (tet_dyadic_sub(w, normal[k], normal[axis]).sign > 0) axis = k;
+  }
+  return axis;
 }

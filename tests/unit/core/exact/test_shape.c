@@ -36,6 +36,22 @@ static void known_ones_are_found(void **state) {
   assert_true(n[3][0] == 0 && n[3][1] == 0 && n[3][2] == 0);
 }
 
+/* A needle between points near the origin and one far off: from there, its sides are the same in doubles. */
+static void a_triangle_is_seen_along_one_axis(void **state) {
+  (void)state;
+  static const double needle[3][3] = {
+      {-41255400998277.516, -41255400998277.516, 2.0526495856117777e-289}, {8.1747074104349303e-317, 0, 0}, {0, 0, 0}};
+  static const double diagonal[3][3] = {{0, 0, 0}, {0, 0, 1}, {3, 3, 0}}; /* as large along x as along y */
+  static const double steep[3][3] = {{0, 0, 0}, {1, 0, 0.75}, {0, 1, 0.5}};
+  for (int k = 0; k < 3; k++)
+    for (int way = 1; way < 3; way++) {
+      int l = (k + way) % 3, m = (k + 3 - way) % 3;
+      assert_int_equal(tet_widest_axis(needle[k], needle[l], needle[m]), 2);
+      assert_int_equal(tet_widest_axis(diagonal[k], diagonal[l], diagonal[m]), 0);
+      assert_int_equal(tet_widest_axis(steep[k], steep[l], steep[m]), 2);
+    }
+}
+
 static double random_length(int spread) { return ldexp((double)rand() / RAND_MAX - 0.5, rand() % (2 * spread + 1) - spread); }
 
 /* Of a tetrahedron of any lengths, the circumradius and the angles do not depend on which vertex one begins with. */
@@ -70,6 +86,7 @@ static void the_order_of_vertices_does_not_count(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(known_ones_are_found),
+                                     cmocka_unit_test(a_triangle_is_seen_along_one_axis),
                                      cmocka_unit_test(the_order_of_vertices_does_not_count)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
