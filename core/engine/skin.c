@@ -17,7 +17,7 @@
 typedef struct skinner {
   tet_ctx *ctx;
   const tet_pieces *p;
-  double width, most; /* of the hull; the largest tolerance that its edges allow */
+  double width, most; /* of the hull; the largest tolerance that the edges at its facets allow */
   double least;       /* tolerances are above that, or doubles hold no distances */
   uint32_t n_faces;
   uint32_t *handle;   /* [n_faces] of a tetrahedron, ascending */
@@ -121,24 +121,20 @@ static tet_status list_faces(skinner *s) {
   return status;
 }
 
-/* The width is about six volumes over the area: 1 of a unit cube; 0 where doubles hold no squares of such lengths. What
- * is smaller than a tolerance is in every plane: so that is less than any edge of the hull. */
+/* The width is about six volumes over the area: 1 of a unit cube; 0 where doubles hold no squares of such lengths. */
 static void measure_hull(skinner *s) {
-  double volume6 = 0, area2 = 0, shortest2 = INFINITY, size = 0, n[3];
+  double volume6 = 0, area2 = 0, size = 0, n[3];
   const double *o = place(s, corner(s, 0, 0));
   for (uint32_t f = 0; f < s->n_faces; f++) {
     double d[3];
     area2 += normal_of(s, f, n);
     tet_minus(place(s, corner(s, f, 0)), o, d);
     volume6 += tet_dot(d, n);
-    for (uint32_t j = 0; j < 3; j++) {
-      shortest2 = fmin(shortest2, tet_distance2(place(s, corner(s, f, j)), place(s, corner(s, f, j + 1))));
-      size = fmax(size, tet_longest(place(s, corner(s, f, j))));
-    }
+    for (uint32_t j = 0; j < 3; j++) size = fmax(size, tet_longest(place(s, corner(s, f, j))));
   }
   double width = 2 * volume6 / area2;
   s->width = width > 1e-90 && width < 1e90 && area2 < 1e90 ? width : 0;
-  s->most = sqrt(shortest2) / 8;
+  s->most = INFINITY;
   s->least = 2 * DBL_EPSILON * size;
 }
 
@@ -467,7 +463,7 @@ static tet_status add_facets(skinner *s) {
 }
 
 /* Fills `out` anew, by a share of the width; 0: with the faces. */
-static tet_status build(skinner *s, double share) {
+static tet_status try_share(skinner *s, double share) {
   tet_skin *o = &s->out;
   double tolerance = fmin(share * s->width, s->most);
   s->tolerance = o->tolerance = tolerance > s->least ? tolerance : 0;
@@ -483,6 +479,32 @@ static tet_status build(skinner *s, double share) {
   part_others(s);
   status = divide_edges(s);
   return status ? status : add_facets(s);
+}
+
+/* The square of the shortest edge at a vertex of a facet. */
+static double shortest2(const skinner *s) {
+  double least2 = INFINITY;
+  for (size_t t = 0; t < s->p->n_tets; t++) {
+    const uint32_t *v = s->p->tets + 4 * t;
+    for (int i = 0; i < 4; i++)
+      for (int j = 0; j < i; j++)
+        if (s->taken[v[i]] != TET_NONE || s->taken[v[j]] != TET_NONE)
+          least2 = fmin(least2, tet_distance2(place(s, v[i]), place(s, v[j])));
+  }
+  return least2;
+}
+
+/* The same. What is smaller than a tolerance is in every plane: so that is less than any edge at the facets, if need be
+ * less than by the share. */
+static tet_status build(skinner *s, double share) {
+  for (;;) {
+    tet_status status = try_share(s, share);
+    double most = sqrt(shortest2(s)) / 8;
+    if (status || !(s->tolerance > most)) return status;
+    s->most = most;
+    status = tet_poll(s->ctx);
+    if (status) return status;
+  }
 }
 
 /* The share of the width within which some points are below the hull's faces, and within ten or more times that not a

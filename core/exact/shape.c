@@ -34,6 +34,14 @@ static double scaled(num a, int32_t scale) {
   return tet_dyadic_to_double(&a);
 }
 
+/* n times a power of two that brings its largest coordinate to about 1. */
+static void about_one(const num n[3], double ret[3]) {
+  int32_t top = INT32_MIN;
+  for (int k = 0; k < 3; k++)
+    if (n[k].sign && top_of(&n[k]) > top) top = top_of(&n[k]);
+  for (int k = 0; k < 3; k++) ret[k] = n[k].sign ? scaled(n[k], -top) : 0;
+}
+
 tet_exact_shape tet_shape_exactly(const double *const v[4]) {
   space store, *w = &store;
   num from[3][3], normal[3][3], square[3];
@@ -61,12 +69,34 @@ void tet_normals_exactly(const double *const v[4], double ret[4][3]) {
     num sum = tet_dyadic_add(w, normal[1][k], normal[2][k]);
     normal[0][k] = tet_dyadic_neg(tet_dyadic_add(w, sum, normal[3][k]));
   }
-  for (int i = 0; i < 4; i++) {
-    int32_t top = INT32_MIN;
-    for (int k = 0; k < 3; k++)
-      if (normal[i][k].sign && top_of(&normal[i][k]) > top) top = top_of(&normal[i][k]);
-    for (int k = 0; k < 3; k++) ret[i][k] = normal[i][k].sign ? scaled(normal[i][k], -top) : 0;
+  for (int i = 0; i < 4; i++) about_one(normal[i], ret[i]);
+}
+
+/* (b - a) x (c - a) */
+static void triangle_normal(space *w, const double a[3], const double b[3], const double c[3], num ret[3]) {
+  const double *const x[3] = {a, b, c};
+  num at[3][3], from[2][3];
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, x[i][k]);
+  for (int i = 0; i < 2; i++) tet_dyadic_minus3(w, at[i + 1], at[0], from[i]);
+  tet_dyadic_cross(w, from[0], from[1], ret);
+}
+
+void tet_unit_normal(const double a[3], const double b[3], const double c[3], double ret[3]) {
+  double u[3], v[3];
+  tet_minus(b, a, u);
+  tet_minus(c, a, v);
+  tet_cross(u, v, ret);
+  double square = tet_square(ret), least = TET_SURE_SHAPE * tet_square(u) * tet_square(v);
+  if (!(square > fmax(least, 0x1p-450) && square < 0x1p450)) {
+    space store;
+    num normal[3];
+    tet_dyadic_begin(&store);
+    triangle_normal(&store, a, b, c, normal);
+    about_one(normal, ret);
+    square = tet_square(ret);
   }
+  for (int k = 0; k < 3 && square > 0; k++) ret[k] /= sqrt(square);
 }
 
 /* The axis of n's longest coordinate, or -1 where doubles, wrong by up to `error`, do not tell. */
@@ -90,13 +120,9 @@ int tet_widest_axis(const double a[3], const double b[3], const double c[3]) {
   int axis = longest_axis(n, error);
   if (axis >= 0) return axis;
   space store, *w = &store;
-  const double *const x[3] = {a, b, c};
-  num at[3][3], from[2][3], normal[3];
+  num normal[3];
   tet_dyadic_begin(w);
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, x[i][k]);
-  for (int i = 0; i < 2; i++) tet_dyadic_minus3(w, at[i + 1], at[0], from[i]);
-  tet_dyadic_cross(w, from[0], from[1], normal);
+  triangle_normal(w, a, b, c, normal);
   axis = 0;
   for (int k = 0; k < 3; k++) {
     if (normal[k].sign < 0) normal[k] = tet_dyadic_neg(normal[k]);

@@ -5,6 +5,7 @@
 #include "refine/refiner.h"
 
 #include "base/vector.h"
+#include "exact/shape.h"
 
 #include <math.h>
 #include <string.h>
@@ -102,10 +103,14 @@ static tet_status link_rings(refiner *r) {
   return TET_OK;
 }
 
-static void cross(const double *a, const double *b, const double *c, double n[3]) {
-  double u[3], w[3];
-  for (int i = 0; i < 3; i++) u[i] = b[i] - a[i], w[i] = c[i] - a[i];
-  for (int i = 0; i < 3; i++) n[i] = u[(i + 1) % 3] * w[(i + 2) % 3] - u[(i + 2) % 3] * w[(i + 1) % 3];
+/* The square of twice its area. */
+static double area_of(const refiner *r, uint32_t s) {
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
+  double d[3], e[3], n[3];
+  tet_minus(refine_x(r, v[1]), refine_x(r, v[0]), d);
+  tet_minus(refine_x(r, v[2]), refine_x(r, v[0]), e);
+  tet_cross(d, e, n);
+  return tet_square(n);
 }
 
 static void flip_sub(refiner *r, uint32_t s) {
@@ -114,9 +119,12 @@ static void flip_sub(refiner *r, uint32_t s) {
   v[2] = w;
 }
 
-/* Origin and directions of the plane of triangle v. */
-static void set_plane(const refiner *r, const uint32_t v[3], refine_patch *ret) {
+/* Normal, axis, origin and directions of the plane of subface s. */
+static void set_plane(const refiner *r, uint32_t s, refine_patch *ret) {
+  const uint32_t *v = r->sub_v + 3 * (size_t)s;
   double longest2 = -1;
+  tet_unit_normal(refine_x(r, v[0]), refine_x(r, v[1]), refine_x(r, v[2]), ret->normal);
+  ret->axis = tet_widest_axis(refine_x(r, v[0]), refine_x(r, v[1]), refine_x(r, v[2]));
   for (int i = 0; i < 3; i++) {
     const double *a = refine_x(r, v[i]), *b = refine_x(r, v[(i + 1) % 3]), *c = refine_x(r, v[(i + 2) % 3]);
     double length2 = tet_distance2(a, b), d[3];
@@ -135,21 +143,16 @@ static void set_plane(const refiner *r, const uint32_t v[3], refine_patch *ret) 
 static tet_status gather_patch(refiner *r, uint32_t first, const uint32_t *facet, refine_list *list,
                                uint8_t *turned) {
   uint32_t patch = r->n_patches, largest = first;
-  double most = -1, normal[3] = {0, 0, 0};
+  double most = -1;
   list->n = 0;
   r->sub_patch[first] = patch;
   tet_status status = refine_push(r, list, first);
   for (uint32_t k = 0; k < list->n && !status; k++) {
     uint32_t s = list->at[k];
-    const uint32_t *v = r->sub_v + 3 * (size_t)s;
-    double n[3];
-    cross(refine_x(r, v[0]), refine_x(r, v[1]), refine_x(r, v[2]), n);
-    double area = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    double area = area_of(r, s);
     if (area > most) {
       most = area;
       largest = s;
-      memcpy(normal, n, sizeof n);
-      if (turned[s]) for (int i = 0; i < 3; i++) normal[i] = -n[i];
     }
     for (uint32_t h = 3 * s; h < 3 * s + 3 && !status; h++) {
       if (r->sub_seg[h] != TET_NONE) continue;
@@ -163,13 +166,11 @@ static tet_status gather_patch(refiner *r, uint32_t first, const uint32_t *facet
     }
   }
   if (status) return status;
-  refine_patch p = {.facet = facet[first], .axis = 0};
-  for (int i = 1; i < 3; i++)
-    if (fabs(normal[i]) > fabs(normal[p.axis])) p.axis = i;
-  double length = sqrt(most);
-  int back = normal[p.axis] < 0;
-  set_plane(r, r->sub_v + 3 * (size_t)largest, &p);
-  for (int i = 0; i < 3; i++) p.normal[i] = normal[i] / (length > 0 ? length : 1);
+  refine_patch p = {.facet = facet[first]};
+  set_plane(r, largest, &p);
+  const uint32_t *v = r->sub_v + 3 * (size_t)largest;
+  int down = tet_orient2d(&r->points, p.axis, v[0], v[1], v[2]) < 0, back = turned[largest] ^ down;
+  for (int i = 0; i < 3 && turned[largest]; i++) p.normal[i] = -p.normal[i]; /* the first subface's */
   for (uint32_t k = 0; k < list->n; k++)
     if (turned[list->at[k]] ^ back) flip_sub(r, list->at[k]);
   status = tet_grow(r->ctx, &r->patch, &r->cap_patch, (size_t)patch + 1, sizeof *r->patch);
@@ -330,14 +331,10 @@ static int is_flat_crease(const refiner *r, uint32_t e) {
   const uint32_t *v = r->sub_v + 3 * (size_t)(h / 3);
   uint32_t apex = r->sub_v[o - o % 3 + (o + 2) % 3];
   const double *a = refine_x(r, v[0]), *d = refine_x(r, apex);
-  double n[3], height = 0, normal2 = 0, reach2 = 0;
-  cross(a, refine_x(r, v[1]), refine_x(r, v[2]), n);
-  for (int i = 0; i < 3; i++) {
-    height += n[i] * (d[i] - a[i]);
-    normal2 += n[i] * n[i];
-    reach2 += (d[i] - a[i]) * (d[i] - a[i]);
-  }
-  return height * height <= tolerance * tolerance * normal2 * reach2;
+  double n[3], reach[3];
+  tet_unit_normal(a, refine_x(r, v[1]), refine_x(r, v[2]), n);
+  tet_direction(d, a, reach);
+  return fabs(tet_dot(n, reach)) <= tolerance * sqrt(tet_square(reach));
 }
 
 /* Drops the creases that are flat all along: inside one input facet they are no
