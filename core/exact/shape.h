@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The circumcentre and the faces' normals of a tetrahedron, exact but for one rounding of each
-// number; the normal of a triangle, and along which axis it is seen largest. For what doubles measure as noise: tetrahedra almost flat, faces almost without area. Four
-// vertices that are all but cocircular may have any circumradius to doubles, and the angles at an edge whose
-// face is a needle depend on which vertex one begins with.
+// The circumcentre and the faces' normals of a tetrahedron, exact but for one rounding of each number; the
+// normal of a triangle, and along which axis it is seen largest. For what doubles measure as noise:
+// tetrahedra almost flat, faces almost without area. Four vertices that are all but cocircular may have any
+// circumradius to doubles, and the angles at an edge whose face is a needle depend on which vertex one begins
+// with.
 #ifndef TETRAD_CORE_EXACT_SHAPE_H
 #define TETRAD_CORE_EXACT_SHAPE_H
 
