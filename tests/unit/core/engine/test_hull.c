@@ -236,7 +236,7 @@ static void clouds_of_all_lengths_are_meshed(void **state) {
   for (int i = 0; i < 11; i++) {
     tet_ctx *ctx;
     tet_mesh *m = NULL;
-    const tet_limits limits = {.max_vertices = i == 10 ? 60 : 600};
+    const tet_limits limits = {.max_vertices = i == 10 ? 200 : 600};
     assert_int_equal(tet_ctx_create(&limits, &ctx), TET_OK);
     const tet_pls pls = {.n_points = 30, .points = cloud[i][0], .n_loose_points = TET_LOOSE_ALL_UNUSED};
     tet_options o;
