@@ -30,6 +30,12 @@ static inline void tet_cross(const double a[3], const double b[3], double c[3]) 
 /* The longest coordinate of a: its size where the squares of small ones would be 0. */
 static inline double tet_longest(const double a[3]) { return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2]))); }
 
+/* Which coordinate that is; of several the first. */
+static inline int tet_longest_axis(const double a[3]) {
+  int axis = fabs(a[1]) > fabs(a[0]);
+  return fabs(a[2]) > fabs(a[axis]) ? 2 : axis;
+}
+
 /* d = a - b, a not b, over its longest coordinate, which is returned: products of lengths far apart are no doubles. */
 static inline double tet_direction(const double a[3], const double b[3], double d[3]) {
   tet_minus(a, b, d);

@@ -212,8 +212,6 @@ void tet_facet_plane(tet_facet_work *w, int *ret_area) {
   }
   if (largest_loop(w, n) == TET_NONE) tet_soup_normal(w->s, t[0], t[1], t[2], n);
   straighten(w, t, n);
-  w->axis = 0;
-  for (int k = 1; k < 3; k++)
-    if (fabs(n[k]) > fabs(n[w->axis])) w->axis = k;
+  w->axis = tet_longest_axis(n);
   w->deviation = measure_deviation(w, n_own, n);
 }

@@ -134,7 +134,6 @@ static void measure_hull(skinner *s) {
   }
   double width = 2 * volume6 / area2;
   s->width = width > 1e-90 && width < 1e90 && area2 < 1e90 ? width : 0;
-  s->most = INFINITY;
   s->least = 2 * DBL_EPSILON * size;
 }
 
@@ -411,11 +410,9 @@ static tet_status add_point(skinner *s, uint32_t v) {
 static tet_status add_below(skinner *s, uint32_t patch, const plane *at) {
   uint32_t outline = s->out.facet_start[s->out.n_facets - 1], start = s->out.polygon_start[outline];
   uint32_t n_outline = s->out.polygon_start[outline + 1] - start;
-  int axis = 0;
+  int axis = tet_longest_axis(at->normal);
   size_t n = 0;
   tet_status status = TET_OK;
-  for (int k = 1; k < 3; k++)
-    if (fabs(at->normal[k]) > fabs(at->normal[axis])) axis = k;
   for (uint32_t f = patch; f != TET_NONE && !status; f = s->after[f]) status = push(s, &n, s->handle[f] >> 2);
   for (uint32_t step = 0; n && !status; step++) {
     uint32_t t = s->stack[--n], near = 0;
@@ -499,11 +496,11 @@ static double shortest2(const skinner *s) {
 static tet_status build(skinner *s, double share) {
   for (;;) {
     tet_status status = try_share(s, share);
+    if (!status) status = tet_poll(s->ctx);
+    if (status || !(s->tolerance > 0)) return status;
     double most = sqrt(shortest2(s)) / 8;
-    if (status || !(s->tolerance > most)) return status;
+    if (!(s->tolerance > most)) return TET_OK;
     s->most = most;
-    status = tet_poll(s->ctx);
-    if (status) return status;
   }
 }
 
@@ -529,7 +526,7 @@ static tet_status choose_share(skinner *s, double *ret) {
 }
 
 tet_status tet_skin_build(tet_ctx *ctx, const tet_pieces *pieces, int exact, tet_skin *ret) {
-  skinner s = {.ctx = ctx, .p = pieces};
+  skinner s = {.ctx = ctx, .p = pieces, .most = INFINITY};
   double share = 0;
   tet_status status = list_faces(&s);
   if (!status) measure_hull(&s);

@@ -11,12 +11,12 @@
 typedef tet_dyadic_space space;
 typedef tet_dyadic num;
 
-/* From the first vertex to the others, a vector in each row. */
-static void differences(space *w, const double *const v[4], num ret[3][3]) {
+/* From the first vertex to the n others, up to three: a vector in each row. */
+static void differences(space *w, const double *const *v, int n, num ret[][3]) {
   num at[4][3];
-  for (int i = 0; i < 4; i++)
+  for (int i = 0; i <= n; i++)
     for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, v[i][k]);
-  for (int i = 0; i < 3; i++) tet_dyadic_minus3(w, at[i + 1], at[0], ret[i]);
+  for (int i = 0; i < n; i++) tet_dyadic_minus3(w, at[i + 1], at[0], ret[i]);
 }
 
 /* b x c, c x a, a x b. */
@@ -46,7 +46,7 @@ tet_exact_shape tet_shape_exactly(const double *const v[4]) {
   space store, *w = &store;
   num from[3][3], normal[3][3], square[3];
   tet_dyadic_begin(w);
-  differences(w, v, from);
+  differences(w, v, 3, from);
   normals(w, from, normal);
   for (int i = 0; i < 3; i++) square[i] = tet_dyadic_dot(w, from[i], from[i]);
   num volume = tet_dyadic_dot(w, from[0], normal[0]);
@@ -63,7 +63,7 @@ void tet_normals_exactly(const double *const v[4], double ret[4][3]) {
   space store, *w = &store;
   num from[3][3], normal[4][3];
   tet_dyadic_begin(w);
-  differences(w, v, from);
+  differences(w, v, 3, from);
   normals(w, from, normal + 1);
   for (int k = 0; k < 3; k++) {
     num sum = tet_dyadic_add(w, normal[1][k], normal[2][k]);
@@ -75,10 +75,8 @@ void tet_normals_exactly(const double *const v[4], double ret[4][3]) {
 /* (b - a) x (c - a) */
 static void triangle_normal(space *w, const double a[3], const double b[3], const double c[3], num ret[3]) {
   const double *const x[3] = {a, b, c};
-  num at[3][3], from[2][3];
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) at[i][k] = tet_dyadic_from_double_reduced(w, x[i][k]);
-  for (int i = 0; i < 2; i++) tet_dyadic_minus3(w, at[i + 1], at[0], from[i]);
+  num from[2][3];
+  differences(w, x, 2, from);
   tet_dyadic_cross(w, from[0], from[1], ret);
 }
 
@@ -99,10 +97,9 @@ void tet_unit_normal(const double a[3], const double b[3], const double c[3], do
   for (int k = 0; k < 3 && square > 0; k++) ret[k] /= sqrt(square);
 }
 
-/* The axis of n's longest coordinate, or -1 where doubles, wrong by up to `error`, do not tell. */
-static int longest_axis(const double n[3], const double error[3]) {
-  int k = fabs(n[1]) > fabs(n[0]);
-  if (fabs(n[2]) > fabs(n[k])) k = 2;
+/* tet_longest_axis of n, or -1 where doubles, wrong by up to `error`, do not tell. */
+static int sure_axis(const double n[3], const double error[3]) {
+  int k = tet_longest_axis(n);
   for (int i = 0; i < 3; i++)
     if (i != k && !(fabs(n[k]) - error[k] > fabs(n[i]) + error[i])) return -1;
   return fabs(n[k]) > 0x1p-900 && fabs(n[k]) < 0x1p900 ? k : -1;
@@ -117,7 +114,7 @@ int tet_widest_axis(const double a[3], const double b[3], const double c[3]) {
     int i = (k + 1) % 3, j = (k + 2) % 3;
     error[k] = 8 * DBL_EPSILON * (fabs(u[i] * v[j]) + fabs(u[j] * v[i]));
   }
-  int axis = longest_axis(n, error);
+  int axis = sure_axis(n, error);
   if (axis >= 0) return axis;
   space store, *w = &store;
   num normal[3];
