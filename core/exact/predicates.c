@@ -61,10 +61,16 @@ int tet_orient3d_xyz(const double *a, const double *b, const double *c, const do
 }
 
 static __attribute__((noinline)) int orient3d_implicit(const tet_points *p, const uint32_t v[4]) {
+  const double *x[4];
+  for (int i = 0; i < 4; i++)
+    x[i] = xyz(p, v[i]);
+  int sign = tet_quick_orient3d_moved(x);
+  if (sign != TET_UNSURE)
+    return sign;
   double d[9], r[9];
   for (int i = 0; i < 3; i++)
     tet_difference(p, v[i + 1], v[0], d + 3 * i, r + 3 * i);
-  int sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, d, r, 9, TET_ROUNDINGS_ORIENT3D);
+  sign = tet_filter(tet_orient3d_value, tet_orient3d_majorant, d, r, 9, TET_ROUNDINGS_ORIENT3D);
   if (sign || tet_are_in_one_plane(p, v))
     return sign;
   tet_point_ref ref[4];
@@ -128,10 +134,16 @@ int tet_insphere_xyz(const double *a, const double *b, const double *c, const do
 }
 
 static __attribute__((noinline)) int insphere_implicit(const tet_points *p, const uint32_t v[5]) {
+  const double *x[5];
+  for (int i = 0; i < 5; i++)
+    x[i] = xyz(p, v[i]);
+  int sign = tet_quick_insphere_moved(x);
+  if (sign != TET_UNSURE)
+    return sign;
   double d[12], r[12];
   for (int i = 0; i < 4; i++)
     tet_difference(p, v[i], v[4], d + 3 * i, r + 3 * i);
-  int sign =
+  sign =
       tet_filter(tet_insphere_value, tet_insphere_majorant, d, r, 12, TET_ROUNDINGS_INSPHERE);
   if (sign)
     return sign;

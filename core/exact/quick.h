@@ -2,7 +2,7 @@
 // The first look of the kernel's hot loops at a sign: one evaluation in doubles and a
 // bound from the lengths of the difference vectors, which costs half of what the
 // majorant of filter.h costs and is as sharp on well-shaped and badly scaled tetrahedra.
-// Internal to this folder, to core/mesh and to core/refine.
+// Internal to this folder, to core/mesh, to core/refine and to core/build/intersections.c.
 //
 // Rows a, b, c of a determinant of three have a permanent of absolute values of at most
 // sqrt(2) |a| |b| |c| (Cauchy and Schwarz, twice). So the majorant M of insphere, with
@@ -14,6 +14,11 @@
 // 2^-900, nothing is proven here; so the products of squares are normal numbers or far below 2^-900, and
 // what a product of two small factors loses, at most 2^-1074, times the other rows is far
 // below the bound. Overflow makes the bound infinite or NaN, and nothing is above it.
+//
+// Implicit points stand within u of the size S of the largest coordinate, so a row is moved by at
+// most 3.5 u S: by a part t of its length at most, where t is that by the shortest row. Expanded,
+// every term of a determinant of degree g, at most the product of the lengths in it (Hadamard),
+// moves by at most (1 + t)^g - 1 < 1.03 g t of itself for t < 2^-8. Insphere has four such terms.
 //
 // Where all coordinates are multiples of g, the determinants are multiples of g^3 and g^5;
 // one that is proven smaller is zero. On grids that settles what cannot be settled by
@@ -50,6 +55,20 @@ static inline double tet_larger(double a, double b) {
 
 static inline double tet_smaller(double a, double b) {
   return a < b ? a : b;
+}
+
+/* A little more than 3.5 u, and what the terms' moves are times of t; see above. */
+#define TET_QUICK_MOVED (3.6 * TET_FILTER_UNIT)
+#define TET_QUICK_MOST_MOVED 0x1p-8
+#define TET_QUICK_MOVED_INSPHERE (4 * 1.04 * 5)
+#define TET_QUICK_MOVED_ORIENT3D (1.04 * 3)
+
+/* The largest |coordinate| of n points. */
+static inline double tet_quick_size(const double *const *x, int n) {
+  double size = 0;
+  for (int i = 0; i < n; i++)
+    for (int k = 0; k < 3; k++) size = tet_larger(size, fabs(x[i][k]));
+  return size;
 }
 
 /* A first look at insphere: one of the two below. */
@@ -120,6 +139,30 @@ static inline int tet_quick_orient3d(const double *a, const double *b, const dou
   double limit = TET_QUICK_ORIENT3D * (s0 * s1) * s2 + TET_QUICK_LEAST;
   int is_normal = tet_smaller(tet_smaller(s0, s1), s2) > TET_QUICK_ORIENT3D_ROW;
   return tet_quick_sign(tet_orient3d_value(r), limit, is_normal, grain3);
+}
+
+/* tet_orient3d where points may be implicit, x being as they are rounded; or TET_UNSURE. */
+static inline int tet_quick_orient3d_moved(const double *const x[4]) {
+  double r[9];
+  for (int i = 0; i < 3; i++) tet_minus(x[i + 1], x[0], r + 3 * i);
+  double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6);
+  double least = tet_smaller(tet_smaller(s0, s1), s2), t = TET_QUICK_MOVED * tet_quick_size(x, 4) / sqrt(least);
+  double part = sqrt(TET_QUICK_ORIENT3D) + TET_QUICK_MOVED_ORIENT3D * t;
+  return tet_quick_sign(tet_orient3d_value(r), 1.01 * part * part * (s0 * s1) * s2 + TET_QUICK_LEAST,
+                        (least > TET_QUICK_ORIENT3D_ROW) & (t < TET_QUICK_MOST_MOVED), 0);
+}
+
+/* tet_insphere where points may be implicit, x being as they are rounded; or TET_UNSURE. */
+static inline int tet_quick_insphere_moved(const double *const x[5]) {
+  double r[12];
+  for (int i = 0; i < 4; i++) tet_minus(x[i], x[4], r + 3 * i);
+  double s0 = tet_square(r), s1 = tet_square(r + 3), s2 = tet_square(r + 6), s3 = tet_square(r + 9);
+  double most = tet_larger(tet_larger(s0, s1), tet_larger(s2, s3));
+  double least = tet_smaller(tet_smaller(s0, s1), tet_smaller(s2, s3));
+  double t = TET_QUICK_MOVED * tet_quick_size(x, 5) / sqrt(least);
+  double part = sqrt(TET_QUICK_INSPHERE) + TET_QUICK_MOVED_INSPHERE * t;
+  return tet_quick_sign(tet_insphere_value(r), 1.01 * part * part * ((s0 * s1) * (s2 * s3)) * most + TET_QUICK_LEAST,
+                        (least > TET_QUICK_INSPHERE_ROW) & (t < TET_QUICK_MOST_MOVED), 0);
 }
 
 /* The plane of a triangle, to ask for the sides of many points. */

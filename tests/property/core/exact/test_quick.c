@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The first look of the hot loops never contradicts exact arithmetic: on points spread, on few
  * values, on a sphere, in a plane, nearly so, with scales far apart, near overflow and underflow; in
- * plain code and, where the processor has it, on AVX2; knowing the grain of coordinates or not. */
+ * plain code and, where the processor has it, on AVX2; knowing the grain of coordinates or not; also
+ * of implicit points as they are rounded. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -92,6 +93,56 @@ static void quick_signs_are_right(void **state) {
   }
 }
 
+/* Five points nearly on a sphere or in a plane, `far` from the origin, off it by 1 to 2^10 times what rounding moves
+ * them; those from `first` on implicit: between ends beside them. */
+static void draw_implicit(uint64_t *s, int flat, double far, uint32_t first, double x[45], tet_segment_point at[5]) {
+  for (uint32_t i = 0; i < 5; i++) {
+    double p[3], v[3], r = 0, noise = far * ldexp(between(s, -1, 1), (int)(point_set_next(s) % 11) - 53);
+    for (int k = 0; k < 3; k++) {
+      p[k] = between(s, -1, 1);
+      v[k] = between(s, -1, 1);
+      r += p[k] * p[k];
+    }
+    for (int k = 0; k < 3; k++) p[k] = far + (flat ? p[k] : p[k] / sqrt(r) * (1 + noise));
+    if (flat) p[2] = far + 0.5 * (p[0] - far) - 0.25 * (p[1] - far) + noise;
+    for (int k = 0; k < 3; k++) {
+      x[3 * i + (uint32_t)k] = p[k];
+      x[15 + 6 * i + (uint32_t)k] = p[k] - v[k];
+      x[18 + 6 * i + (uint32_t)k] = p[k] + v[k];
+    }
+    at[i] = (tet_segment_point){5 + 2 * i, 6 + 2 * i, 0.5 + 0x1p-40 * between(s, -1, 1)};
+    if (i < first) continue;
+    const tet_points ends = tet_points_explicit(x, 15);
+    tet_segment_point_round(&ends, &at[i], x + 3 * i);
+  }
+}
+
+static void rounded_implicit_points_do_not_mislead(void **state) {
+  (void)state;
+  uint64_t s = 815;
+  print_message("seed 815\n");
+  for (int flat = 0; flat < 2; flat++)
+    for (int power = 0; power <= 50; power += 5) {
+      uint32_t unsure[2] = {0};
+      for (int round = 0; round < ROUNDS / 10; round++) {
+        double x[45];
+        tet_segment_point at[5];
+        uint32_t first = (uint32_t)(point_set_next(&s) % 5);
+        draw_implicit(&s, flat, ldexp(1, power), first, x, at);
+        const double *const rounded[5] = {x, x + 3, x + 6, x + 9, x + 12};
+        tet_point_ref ref[5];
+        for (uint32_t i = 0; i < 5; i++)
+          ref[i] = i < first ? tet_ref_xyz(rounded[i])
+                             : (tet_point_ref){x + 3 * (size_t)at[i].a, x + 3 * (size_t)at[i].b, at[i].t};
+        check(tet_quick_insphere_moved(rounded), tet_exact_insphere(ref), &unsure[0]);
+        check(tet_quick_orient3d_moved(rounded), tet_exact_orient3d(ref), &unsure[1]);
+      }
+      print_message("%s, 2^%d away: unsure of insphere %u, orient3d %u of %d\n", flat ? "flat" : "round", power, unsure[0],
+                    unsure[1], ROUNDS / 10);
+      if (power <= 40) assert_true(unsure[flat] > ROUNDS / 100 && unsure[flat] < ROUNDS * 99 / 1000); /* at the brink */
+    }
+}
+
 /* Products of very short rows and very long ones: the bound must not vanish before the value. */
 static void short_rows_are_unsure(void **state) {
   (void)state;
@@ -123,7 +174,9 @@ static void extremes_are_unsure(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(quick_signs_are_right), cmocka_unit_test(short_rows_are_unsure),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(quick_signs_are_right),
+                                     cmocka_unit_test(rounded_implicit_points_do_not_mislead),
+                                     cmocka_unit_test(short_rows_are_unsure),
                                      cmocka_unit_test(extremes_are_unsure)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
