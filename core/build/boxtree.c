@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/* boxtree.c: a balanced binary tree over boxes, split at the median of their middles
- * along the longest side, stored in order: node k over items [from, to) has its left
- * half next to it. Where far more pairs of boxes meet than there are boxes, as around long thin
- * triangles aslant, each node gets a tilted box as well, and these are asked too. See boxtree.h. */
+/* boxtree.c: a balanced binary tree over boxes, halves of halves of their order along a Hilbert curve
+ * through their middles; where the curve's cells are too large to part them, split at the median
+ * along the longest side. Stored in order: node k over items [from, to) has its left half next to
+ * it. Where far more pairs of boxes meet than there are boxes, as around long thin triangles
+ * aslant, each node gets a tilted box as well, and these are asked too. See boxtree.h. */
 #include "build/boxtree.h"
 
 #include <math.h>
 
+#include "base/hilbert.h"
+#include "base/sort.h"
 #include "build/tilted.h"
 
 enum { LEAF = 4, MAX_DEPTH = 64, MANY = 32 }; /* MANY: pairs a box before boxes are tilted */
 
 typedef struct node {
   tet_box box;
-  uint32_t from, to; /* items order[from .. to) */
+  uint32_t from, to; /* items [from .. to) */
   uint32_t right;    /* right child; the left one is the next node; 0: a leaf */
 } node;
 
@@ -31,7 +34,8 @@ typedef struct tree {
   uint64_t n_pairs;   /* asked so far */
   tet_tilted *tilted; /* [n_nodes], or NULL */
   double most;        /* largest coordinate */
-  uint32_t *order;
+  tet_keyed *item;    /* [n] in the tree's order: the middle's place on the curve; which box */
+  tet_box *sorted;    /* [n] the boxes in that order */
   node *nodes;
   uint32_t n_nodes;
   size_t cap_nodes, cap_stack;
@@ -39,29 +43,48 @@ typedef struct tree {
   uint32_t n_stack;
 } tree;
 
-/* Twice the middle, halved first: coordinates stay in range. */
-static double middle(const tree *t, uint32_t item, int axis) {
-  const tet_box *b = &t->box[item];
-  return 0.5 * b->lo[axis] + 0.5 * b->hi[axis];
+static uint32_t which(const tree *t, size_t i) { return (uint32_t)t->item[i].value; }
+
+/* Halved first: coordinates stay in range. */
+static double middle(const tet_box *b, int axis) { return 0.5 * b->lo[axis] + 0.5 * b->hi[axis]; }
+
+static tet_status order_boxes(tree *t) {
+  size_t n = t->n;
+  double *x = tet_alloc(t->ctx, 3 * n, sizeof *x);
+  uint64_t *key = tet_alloc(t->ctx, n, sizeof *key);
+  tet_keyed *scratch = tet_alloc(t->ctx, n, sizeof *scratch);
+  t->item = tet_alloc(t->ctx, n, sizeof *t->item);
+  int ok = x && key && scratch && t->item;
+  if (ok) {
+    for (size_t i = 0; i < 3 * n; i++) x[i] = middle(&t->box[i / 3], (int)(i % 3));
+    tet_hilbert_box cube = tet_hilbert_bound(x, NULL, t->n);
+    tet_hilbert_keys(&cube, x, NULL, t->n, key);
+    for (size_t i = 0; i < n; i++) t->item[i] = (tet_keyed){key[i], i};
+    tet_sort_radix(t->item, scratch, n, 1);
+  }
+  tet_free(t->ctx, x);
+  tet_free(t->ctx, key);
+  tet_free(t->ctx, scratch);
+  return ok ? TET_OK : tet_ctx_error(t->ctx)->status;
 }
 
-static int before(const tree *t, uint32_t i, uint32_t j, int axis) {
-  double x = middle(t, i, axis), y = middle(t, j, axis);
-  return x < y || (x == y && i < j);
+static int before(const tree *t, const tet_keyed *i, const tet_keyed *j, int axis) {
+  double x = middle(&t->box[i->value], axis), y = middle(&t->box[j->value], axis);
+  return x < y || (x == y && i->value < j->value);
 }
 
-/* Hoare's selection: order[k] is then the k-th of [from, to) along the axis. */
+/* Hoare's selection: item[k] is then the k-th of [from, to) along the axis. */
 static void select_median(tree *t, uint32_t from, uint32_t to, uint32_t k, int axis) {
-  uint32_t *o = t->order;
+  tet_keyed *o = t->item;
   int64_t lo = from, hi = (int64_t)to - 1;
   while (lo < hi) {
-    uint32_t pivot = o[lo + (hi - lo) / 2];
+    tet_keyed pivot = o[lo + (hi - lo) / 2];
     int64_t i = lo, j = hi;
     while (i <= j) {
-      while (before(t, o[i], pivot, axis)) i++;
-      while (before(t, pivot, o[j], axis)) j--;
+      while (before(t, &o[i], &pivot, axis)) i++;
+      while (before(t, &pivot, &o[j], axis)) j--;
       if (i > j) break;
-      uint32_t swap = o[i];
+      tet_keyed swap = o[i];
       o[i++] = o[j];
       o[j--] = swap;
     }
@@ -71,25 +94,13 @@ static void select_median(tree *t, uint32_t from, uint32_t to, uint32_t k, int a
   }
 }
 
-static tet_box bound(const tree *t, uint32_t from, uint32_t to) {
-  tet_box b = t->box[t->order[from]];
-  for (uint32_t i = from + 1; i < to; i++) {
-    const tet_box *c = &t->box[t->order[i]];
-    for (int k = 0; k < 3; k++) {
-      if (c->lo[k] < b.lo[k]) b.lo[k] = c->lo[k];
-      if (c->hi[k] > b.hi[k]) b.hi[k] = c->hi[k];
-    }
-  }
-  return b;
-}
-
 static int longest_axis(const tree *t, uint32_t from, uint32_t to) {
   double lo[3], hi[3];
   int axis = 0;
   for (int k = 0; k < 3; k++) {
-    lo[k] = hi[k] = middle(t, t->order[from], k);
+    lo[k] = hi[k] = middle(&t->box[which(t, from)], k);
     for (uint32_t i = from + 1; i < to; i++) {
-      double m = middle(t, t->order[i], k);
+      double m = middle(&t->box[which(t, i)], k);
       if (m < lo[k]) lo[k] = m;
       if (m > hi[k]) hi[k] = m;
     }
@@ -98,7 +109,8 @@ static int longest_axis(const tree *t, uint32_t from, uint32_t to) {
   return axis;
 }
 
-static tet_status build(tree *t, uint32_t n) {
+/* The nodes, without their boxes. */
+static tet_status split(tree *t, uint32_t n) {
   uint32_t from[MAX_DEPTH], to[MAX_DEPTH], parent[MAX_DEPTH], depth = 0;
   from[0] = 0;
   to[0] = n;
@@ -109,11 +121,13 @@ static tet_status build(tree *t, uint32_t n) {
     if (st == TET_OK && b - a > 1024) st = tet_poll(t->ctx);
     if (st != TET_OK) return st;
     uint32_t me = t->n_nodes++;
-    t->nodes[me] = (node){bound(t, a, b), a, b, 0};
+    t->nodes[me].from = a;
+    t->nodes[me].to = b;
+    t->nodes[me].right = 0;
     if (up != UINT32_MAX) t->nodes[up].right = me;
     if (b - a <= LEAF) continue;
     uint32_t mid = a + (b - a) / 2;
-    select_median(t, a, b, mid, longest_axis(t, a, b));
+    if (t->item[a].key == t->item[b - 1].key) select_median(t, a, b, mid, longest_axis(t, a, b));
     from[depth] = mid; /* the right half waits; the left one comes next */
     to[depth] = b;
     parent[depth++] = me;
@@ -121,6 +135,34 @@ static tet_status build(tree *t, uint32_t n) {
     to[depth] = mid;
     parent[depth++] = UINT32_MAX;
   }
+  return TET_OK;
+}
+
+static void extend(tet_box *b, const tet_box *c) {
+  for (int k = 0; k < 3; k++) {
+    b->lo[k] = c->lo[k] < b->lo[k] ? c->lo[k] : b->lo[k];
+    b->hi[k] = c->hi[k] > b->hi[k] ? c->hi[k] : b->hi[k];
+  }
+}
+
+/* The nodes' boxes; children come after their parents. */
+static void bound(tree *t) {
+  for (uint32_t k = t->n_nodes; k-- > 0;) {
+    node *a = &t->nodes[k];
+    a->box = a->right ? t->nodes[k + 1].box : t->sorted[a->from];
+    if (a->right) extend(&a->box, &t->nodes[a->right].box);
+    for (uint32_t i = a->from + 1; i < a->to && !a->right; i++) extend(&a->box, &t->sorted[i]);
+  }
+}
+
+static tet_status build(tree *t) {
+  tet_status st = order_boxes(t);
+  if (st == TET_OK) st = split(t, t->n);
+  if (st != TET_OK) return st;
+  t->sorted = tet_alloc(t->ctx, t->n, sizeof *t->sorted);
+  if (!t->sorted) return tet_ctx_error(t->ctx)->status;
+  for (size_t i = 0; i < t->n; i++) t->sorted[i] = t->box[which(t, i)];
+  bound(t);
   return TET_OK;
 }
 
@@ -138,7 +180,7 @@ static tet_status tilt(tree *t) {
   t->tilted = tet_alloc(t->ctx, t->n_nodes, sizeof *t->tilted);
   tet_status st = x && t->tilted ? TET_OK : tet_ctx_error(t->ctx)->status;
   for (uint32_t i = 0; i < t->n && st == TET_OK; i++) {
-    t->corners(t->user, t->order[i], x + 3 * (size_t)i);
+    t->corners(t->user, which(t, i), x + 3 * (size_t)i);
     for (int k = 0; k < 3; k++)
       t->most = fmax(t->most, fmax(fabs(t->box[i].lo[k]), fabs(t->box[i].hi[k])));
   }
@@ -155,8 +197,8 @@ static tet_status tilt(tree *t) {
 static tet_status leaf_pairs(tree *t, const node *a, const node *b) {
   for (uint32_t i = a->from; i < a->to; i++)
     for (uint32_t j = a == b ? i + 1 : b->from; j < b->to; j++) {
-      uint32_t x = t->order[i], y = t->order[j];
-      if (!tet_boxes_meet(&t->box[x], &t->box[y])) continue;
+      if (!tet_boxes_meet(&t->sorted[i], &t->sorted[j])) continue;
+      uint32_t x = which(t, i), y = which(t, j);
       t->n_pairs++;
       tet_status st = t->pair(t->user, x < y ? x : y, x < y ? y : x);
       if (st != TET_OK) return st;
@@ -185,19 +227,16 @@ static tet_status step(tree *t) {
 tet_status tet_box_pairs(tet_ctx *ctx, const tet_box *box, uint32_t n, tet_box_corners_fn corners,
                          tet_box_pair_fn pair, void *user) {
   tree t = {.ctx = ctx, .box = box, .n = n, .corners = corners, .pair = pair, .user = user};
-  tet_status st = TET_OK;
   if (n < 2) return TET_OK;
-  t.order = tet_alloc(ctx, n, sizeof *t.order);
-  if (!t.order) return tet_ctx_error(ctx)->status;
-  for (uint32_t i = 0; i < n; i++) t.order[i] = i;
-  st = build(&t, n);
+  tet_status st = build(&t);
   if (st == TET_OK) st = push(&t, 0, 0);
   for (uint64_t steps = 0; t.n_stack > 0 && st == TET_OK; steps++) {
     if (steps % 1024 == 0) st = tet_poll(ctx);
     if (st == TET_OK && !t.tilted && t.n_pairs > MANY * (uint64_t)n) st = tilt(&t);
     if (st == TET_OK) st = step(&t);
   }
-  tet_free(ctx, t.order);
+  tet_free(ctx, t.item);
+  tet_free(ctx, t.sorted);
   tet_free(ctx, t.nodes);
   tet_free(ctx, t.tilted);
   tet_free(ctx, t.stack);

@@ -15,9 +15,9 @@ typedef tet_status (*tet_box_pair_fn)(void *user, uint32_t i, uint32_t j);
 typedef void (*tet_box_corners_fn)(void *user, uint32_t i, const double *ret_x[3]);
 
 static inline int tet_boxes_meet(const tet_box *a, const tet_box *b) {
-  for (int k = 0; k < 3; k++)
-    if (a->lo[k] > b->hi[k] || b->lo[k] > a->hi[k]) return 0;
-  return 1;
+  int meet = 1;
+  for (int k = 0; k < 3; k++) meet &= (a->lo[k] <= b->hi[k]) & (b->lo[k] <= a->hi[k]); /* no branches to guess */
+  return meet;
 }
 
 /* Calls `pair` once for every two of the n boxes that touch or overlap, but for some whose corners'

@@ -65,35 +65,51 @@ static tet_status collect_subfaces(tet_state *st, const uint32_t *tri, tet_piece
   return TET_OK;
 }
 
-/* The subsegments that are edges of some tetrahedron. */
-static tet_status collect_subsegments(tet_state *st, tet_pieces *p) {
+/* Marks the subsegments that are no subface's but edges of some tetrahedron: loose segments, and sides of facets
+ * that are outside. */
+static tet_status find_bare(tet_state *st, const tet_pieces *p, uint8_t *used) {
   const tet_surface *s = &st->surface;
   tet_edge_map edges = {NULL, 0, 0};
-  uint8_t *used = tet_calloc(st->ctx, s->n_subsegs, 1), *on = tet_calloc(st->ctx, p->n_points, 1);
-  p->subseg = tet_alloc(st->ctx, 2 * (size_t)s->n_subsegs, sizeof *p->subseg);
-  p->subseg_segment = tet_alloc(st->ctx, s->n_subsegs, sizeof *p->subseg_segment);
-  tet_status status =
-      used && on && p->subseg && p->subseg_segment ? TET_OK : tet_ctx_error(st->ctx)->status;
+  uint8_t *on = tet_calloc(st->ctx, p->n_points, 1);
+  tet_status status = on ? TET_OK : tet_ctx_error(st->ctx)->status;
   for (uint32_t e = 0; e < s->n_subsegs && status == TET_OK; e++) {
     const uint32_t *v = s->subseg + 2 * (size_t)e;
+    if (used[e]) continue;
     on[v[0]] = on[v[1]] = 1;
     status = tet_edge_map_put(st->ctx, &edges, v[0], v[1], e);
   }
-  for (size_t t = 0; t < p->n_tets && status == TET_OK; t++)
-    for (size_t i = 0; i < 4; i++)
-      for (size_t j = i + 1; j < 4; j++) {
-        uint32_t a = p->tets[4 * t + i], b = p->tets[4 * t + j];
+  for (size_t t = 0; t < p->n_tets && edges.n && status == TET_OK; t++)
+    for (int i = 0; i < 4; i++)
+      for (int j = i + 1; j < 4; j++) {
+        uint32_t a = p->tets[4 * t + (size_t)i], b = p->tets[4 * t + (size_t)j];
         uint32_t e = on[a] && on[b] ? tet_edge_map_get(&edges, a, b) : TET_NONE;
         if (e != TET_NONE) used[e] = 1;
       }
+  tet_edge_map_free(st->ctx, &edges);
+  tet_free(st->ctx, on);
+  return status;
+}
+
+/* The subsegments that are edges of some tetrahedron. Flips inside a facet leave the subsegments of their
+ * two triangles to these. */
+static tet_status collect_subsegments(tet_state *st, const uint32_t *tri, tet_pieces *p) {
+  const tet_surface *s = &st->surface;
+  uint8_t *used = tet_calloc(st->ctx, s->n_subsegs, 1);
+  p->subseg = tet_alloc(st->ctx, 2 * (size_t)s->n_subsegs, sizeof *p->subseg);
+  p->subseg_segment = tet_alloc(st->ctx, s->n_subsegs, sizeof *p->subseg_segment);
+  tet_status status = used && p->subseg && p->subseg_segment ? TET_OK : tet_ctx_error(st->ctx)->status;
+  for (size_t h = 0; h < 4 * (size_t)p->n_tets && status == TET_OK; h++)
+    for (size_t j = 0; j < 3 && tri[h] != TET_NONE; j++) {
+      uint32_t e = s->tri_seg[3 * (size_t)tri[h] + j];
+      if (e != TET_NONE) used[e] = 1;
+    }
+  if (status == TET_OK) status = find_bare(st, p, used);
   for (uint32_t e = 0; e < s->n_subsegs && status == TET_OK; e++) {
     if (!used[e]) continue;
     memcpy(p->subseg + 2 * (size_t)p->n_subsegs, s->subseg + 2 * (size_t)e, 2 * sizeof *p->subseg);
     p->subseg_segment[p->n_subsegs++] = s->subseg_segment[e];
   }
-  tet_edge_map_free(st->ctx, &edges);
   tet_free(st->ctx, used);
-  tet_free(st->ctx, on);
   return status;
 }
 
@@ -129,7 +145,7 @@ static tet_status compact_points(tet_state *st, tet_pieces *p) {
 
 tet_status tet_extract_constraints(tet_state *st, const uint32_t *tri, tet_pieces *p) {
   tet_status status = collect_subfaces(st, tri, p);
-  if (status == TET_OK) status = collect_subsegments(st, p);
+  if (status == TET_OK) status = collect_subsegments(st, tri, p);
   if (status == TET_OK) status = compact_points(st, p);
   if (status != TET_OK) return status;
   tet_surface *s = &st->surface;

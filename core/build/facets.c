@@ -31,15 +31,32 @@ static const uint32_t *corners(const facet_recovery *r, uint32_t tri) {
   return r->st->surface.tri + 3 * (size_t)tri;
 }
 
-/* Looks triangle `tri` up in the complex; marks both its handles if it is there. */
+/* Triangle `tri` is face h, from both sides. */
+static void mark_face(facet_recovery *r, uint32_t tri, uint32_t h) {
+  r->cavity.face_tri[h] = r->cavity.face_tri[r->st->complex.adj[h]] = tri;
+}
+
+/* Looks triangle `tri` up in the complex; marks it if it is there. */
 static tet_status match(facet_recovery *r, uint32_t tri, int *ret_found) {
   const uint32_t *v = corners(r, tri);
   uint32_t h;
   tet_status status = tet_complex_find_face(&r->st->complex, v[0], v[1], v[2], &h);
   if (status != TET_OK) return status;
   *ret_found = h != TET_NONE;
-  if (*ret_found) r->cavity.face_tri[h] = r->cavity.face_tri[r->st->complex.adj[h]] = tri;
+  if (*ret_found) mark_face(r, tri, h);
   return TET_OK;
+}
+
+/* Marks the triangles that are faces; the others onto the stack. */
+static tet_status match_all(facet_recovery *r) {
+  uint32_t *face = NULL;
+  tet_status status = tet_match_triangles(r->st, &face);
+  for (uint32_t tri = r->st->surface.n_tris; tri-- > 0 && status == TET_OK;) {
+    if (face[tri] != TET_NONE) mark_face(r, tri, face[tri]);
+    else status = tet_push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, tri);
+  }
+  tet_free(r->ctx, face);
+  return status;
 }
 
 /* The missing region of `tri`, into cavity.omega. */
@@ -200,14 +217,7 @@ static void shuffle(facet_recovery *r) {
 }
 
 static tet_status recover_all(facet_recovery *r) {
-  uint32_t n = r->st->surface.n_tris;
-  tet_status status = TET_OK;
-  for (uint32_t tri = n; tri-- > 0 && status == TET_OK;) {
-    int found;
-    status = match(r, tri, &found);
-    if (status == TET_OK && !found) status = tet_push(r->ctx, &r->stack, &r->n_stack, &r->cap_stack, tri);
-    if (status == TET_OK && (tri & 255) == 0) status = tet_poll(r->ctx);
-  }
+  tet_status status = match_all(r);
   size_t initial = r->n_stack;
   shuffle(r);
   while (r->n_stack && status == TET_OK) {

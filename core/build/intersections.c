@@ -10,11 +10,13 @@
 #include "build/boxtree.h"
 #include "build/soup.h"
 #include "exact/predicates.h"
+#include "exact/quick.h"
 
 /* Items: triangles, then pieces, then loose points. */
 typedef struct finder {
   tet_soup *s;
   const tet_points *points;
+  tet_quick_plane *plane; /* [triangles] */
 } finder;
 
 typedef struct ends {
@@ -22,6 +24,13 @@ typedef struct ends {
 } ends;
 
 static int is_corner(const uint32_t t[3], uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
+
+/* The side of triangle `tri` on which vertex v lies. */
+static int side_of(const finder *f, uint32_t tri, uint32_t v) {
+  const uint32_t *t = f->s->tri + 3 * (size_t)tri;
+  int side = tet_quick_side(&f->plane[tri], tet_soup_x(f->s, v));
+  return side != TET_UNSURE ? side : tet_orient3d(f->points, t[0], t[1], t[2], v);
+}
 
 static tet_status note_join(finder *f, uint32_t facet, uint32_t vertex) {
   tet_soup *s = f->s;
@@ -138,12 +147,26 @@ static tet_status segment_triangle(finder *f, const segment *g, uint32_t tri) {
   return note_fault(f, TET_OFFENDER_FACET, facet, g->kind, g->owner, NULL, place);
 }
 
+/* 1: the line of a side of t, in one plane with u, has u strictly beyond it but for common corners on it. */
+static int is_beyond(const finder *f, const uint32_t t[3], const uint32_t u[3], int axis) {
+  int beyond = 0;
+  for (int j = 0; j < 3 && !beyond; j++) {
+    uint32_t a = t[j], b = t[(j + 1) % 3];
+    beyond = !is_corner(u, t[(j + 2) % 3]);
+    for (int d = 0; d < 3 && beyond; d++)
+      beyond = u[d] == a || u[d] == b || tet_orient2d(f->points, axis, a, b, u[d]) < 0;
+  }
+  return beyond;
+}
+
 /* Two triangles in one plane. */
 static tet_status coplanar_triangles(finder *f, uint32_t i, uint32_t j) {
   const tet_soup *s = f->s;
   const uint32_t *t[2] = {s->tri + 3 * (size_t)i, s->tri + 3 * (size_t)j};
   const uint32_t facet[2] = {s->facet[i], s->facet[j]};
   int axis = s->axis[facet[0]], apart = 0;
+  for (int k = 0; k < 2; k++)
+    if (is_beyond(f, t[k], t[1 - k], s->axis[facet[k]])) return TET_OK;
   for (int k = 0; k < 2; k++)
     for (int c = 0; c < 3; c++) {
       uint32_t v = t[k][c];
@@ -183,13 +206,14 @@ static tet_status half_pair(finder *f, uint32_t i, const int o[3], uint32_t j) {
   return st;
 }
 
-/* 1 if all corners of t that are not corners of u are strictly on one side of u. */
-static int one_sided(const finder *f, const uint32_t t[3], const uint32_t u[3], int o[3]) {
+/* 1 if all corners of triangle i that are not corners of triangle j are strictly on one side of it. */
+static int one_sided(const finder *f, uint32_t i, uint32_t j, int o[3]) {
+  const uint32_t *t = f->s->tri + 3 * (size_t)i, *u = f->s->tri + 3 * (size_t)j;
   int above = 0, below = 0, on = 0;
   for (int c = 0; c < 3; c++) {
     o[c] = 0;
     if (is_corner(u, t[c])) continue;
-    o[c] = tet_orient3d(f->points, u[0], u[1], u[2], t[c]);
+    o[c] = side_of(f, j, t[c]);
     above += o[c] > 0;
     below += o[c] < 0;
     on += o[c] == 0;
@@ -226,10 +250,11 @@ static tet_status triangle_triangle(finder *f, uint32_t i, uint32_t j) {
     middle_place(f, t, place);
     return note_fault(f, TET_OFFENDER_FACET, s->facet[i], TET_OFFENDER_FACET, s->facet[j], "overlap", place);
   }
-  int clear = one_sided(f, t, u, o);
+  int clear = one_sided(f, i, j, o);
   if (shared == 2) return edge_neighbours(f, i, j, !clear);
-  if (clear || one_sided(f, u, t, w)) return TET_OK;
+  if (clear) return TET_OK;
   if (o[0] == 0 && o[1] == 0 && o[2] == 0) return coplanar_triangles(f, i, j);
+  if (one_sided(f, j, i, w)) return TET_OK;
   tet_status st = half_pair(f, i, o, j);
   return st == TET_OK ? half_pair(f, j, w, i) : st;
 }
@@ -258,8 +283,8 @@ static tet_status triangle_piece(finder *f, uint32_t tri, uint32_t p) {
   segment g = piece_segment(s, p);
   tet_status st = TET_OK;
   if (is_corner(t, g.e.a) && is_corner(t, g.e.b)) return TET_OK;
-  g.sa = is_corner(t, g.e.a) ? 0 : tet_orient3d(f->points, t[0], t[1], t[2], g.e.a);
-  g.sb = is_corner(t, g.e.b) ? 0 : tet_orient3d(f->points, t[0], t[1], t[2], g.e.b);
+  g.sa = is_corner(t, g.e.a) ? 0 : side_of(f, tri, g.e.a);
+  g.sb = is_corner(t, g.e.b) ? 0 : side_of(f, tri, g.e.b);
   if (g.sa * g.sb > 0) return TET_OK;
   for (int c = 0; c < 3 && st == TET_OK; c++)
     if (on_segment(f, g.e, t[c])) st = note_split(f, p, t[c]);
@@ -274,7 +299,7 @@ static tet_status triangle_piece(finder *f, uint32_t tri, uint32_t p) {
 static tet_status triangle_point(finder *f, uint32_t tri, uint32_t v) {
   const tet_soup *s = f->s;
   const uint32_t *t = s->tri + 3 * (size_t)tri;
-  if (is_corner(t, v) || tet_orient3d(f->points, t[0], t[1], t[2], v) != 0) return TET_OK;
+  if (is_corner(t, v) || side_of(f, tri, v) != 0) return TET_OK;
   return in_closed(f, v, t, s->axis[s->facet[tri]]) ? note_join(f, s->facet[tri], v) : TET_OK;
 }
 
@@ -345,13 +370,22 @@ static tet_box box_of(const tet_soup *s, const uint32_t *v, int n) {
 }
 
 tet_status tet_find_intersections(tet_soup *s) {
-  finder f = {s, s->points};
+  finder f = {s, s->points, NULL};
   uint64_t n = (uint64_t)s->n_tris + s->n_pieces + s->n_loose, k = 0;
   s->n_new_joins = s->n_splits = s->n_new_constraints = 0;
   if (n >= TET_NONE) return tet_fail(s->ctx, TET_E_TOO_LARGE, "%llu triangles and segments", (unsigned long long)n);
   tet_box *box = tet_alloc(s->ctx, n, sizeof *box);
-  if (!box) return tet_ctx_error(s->ctx)->status;
-  for (uint32_t t = 0; t < s->n_tris; t++) box[k++] = box_of(s, s->tri + 3 * (size_t)t, 3);
+  f.plane = tet_alloc(s->ctx, s->n_tris, sizeof *f.plane);
+  if (!box || !f.plane) {
+    tet_free(s->ctx, box);
+    tet_free(s->ctx, f.plane);
+    return tet_ctx_error(s->ctx)->status;
+  }
+  for (uint32_t t = 0; t < s->n_tris; t++) {
+    const uint32_t *v = s->tri + 3 * (size_t)t;
+    f.plane[t] = tet_quick_plane_of(tet_soup_x(s, v[0]), tet_soup_x(s, v[1]), tet_soup_x(s, v[2]));
+    box[k++] = box_of(s, v, 3);
+  }
   for (uint32_t p = 0; p < s->n_pieces; p++) {
     const uint32_t v[2] = {s->piece[p].a, s->piece[p].b};
     box[k++] = box_of(s, v, 2);
@@ -359,5 +393,6 @@ tet_status tet_find_intersections(tet_soup *s) {
   for (uint32_t p = 0; p < s->n_loose; p++) box[k++] = box_of(s, &s->loose[p], 1);
   tet_status st = tet_box_pairs(s->ctx, box, (uint32_t)n, corners_of, test_pair, &f);
   tet_free(s->ctx, box);
+  tet_free(s->ctx, f.plane);
   return st;
 }

@@ -68,10 +68,17 @@ tet_status tet_repair_new_slot(repair *r, uint32_t *ret_t) {
   if (status == TET_OK) status = tet_grow(r->ctx, &p->adj, &r->cap_adj, 4 * n, sizeof *p->adj);
   if (status == TET_OK) status = tet_grow(r->ctx, &p->region, &r->cap_region, n, sizeof *p->region);
   if (status == TET_OK) status = tet_grow(r->ctx, r->tri, &r->cap_tri, 4 * n, sizeof **r->tri);
+  if (status == TET_OK) status = tet_grow(r->ctx, &r->made, &r->cap_made, n, 1);
   if (status != TET_OK) return status;
   p->tets[4 * (n - 1)] = TET_NONE;
+  r->made[n - 1] = 1;
   *ret_t = p->n_tets++;
   return TET_OK;
+}
+
+tet_status tet_repair_made(repair *r, uint32_t t) {
+  r->made[t] = 1;
+  return tet_shift_note(r, t);
 }
 
 /* Slots for the new tetrahedra: the old ones' first. */
@@ -235,14 +242,20 @@ int tet_repair_is_bad_face(const repair *r, uint32_t h, int t_positive) {
   return tet_insphere_xyz(repair_at(r, v[0]), repair_at(r, v[1]), repair_at(r, v[2]), repair_at(r, v[3]), repair_at(r, p->tets[g])) > 0;
 }
 
-static tet_status flip_all(repair *r, const tet_surface *surface) {
+/* *ret_stuck: 1 where there was something bad without a flip that helps; else nothing bad is left. */
+static tet_status flip_all(repair *r, const tet_surface *surface, int *ret_stuck) {
   tet_status status = TET_OK;
+  *ret_stuck = 0;
   while (r->n_stack && status == TET_OK) {
     uint32_t t = r->stack[--r->n_stack];
     if (repair_is_dead(r, t)) continue;
-    int ok = tet_repair_is_positive(r, t), done = 0;
-    for (uint32_t i = 0; i < 4 && !done && status == TET_OK; i++)
-      if (tet_repair_is_bad_face(r, 4 * t + i, ok)) status = try_face(r, 4 * t + i, surface, &done);
+    int ok = tet_repair_is_positive(r, t), bad = !ok, done = 0;
+    for (uint32_t i = 0; i < 4 && !done && status == TET_OK; i++) {
+      if (!tet_repair_is_bad_face(r, 4 * t + i, ok)) continue;
+      bad = 1;
+      status = try_face(r, 4 * t + i, surface, &done);
+    }
+    *ret_stuck |= bad && !done;
     if (status == TET_OK) status = tet_poll(r->ctx);
   }
   return status;
@@ -268,11 +281,20 @@ void tet_close_gaps(tet_pieces *p, uint32_t *tri) {
   }
 }
 
-/* 1: t has a Steiner point, or something was made after rounding: the others are as they were. */
-static int may_be_bad(const repair *r, uint32_t t) {
+static int has_steiner_point(const repair *r, uint32_t t) {
   const uint32_t *v = r->p->tets + 4 * (size_t)t;
   uint32_t first = r->exact.first_implicit;
-  return r->flips || r->refills || v[0] >= first || v[1] >= first || v[2] >= first || v[3] >= first;
+  return v[0] >= first || v[1] >= first || v[2] >= first || v[3] >= first;
+}
+
+/* 0: t and, once something was made, what is beside it are as before rounding, which moved none of their vertices. */
+static int may_be_bad(const repair *r, uint32_t t) {
+  if (r->made[t] || has_steiner_point(r, t)) return 1;
+  for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4 && (r->flips || r->refills); h++) {
+    uint32_t g = r->p->adj[h];
+    if (g != TET_NONE && (r->made[g >> 2] || r->p->tets[g] >= r->exact.first_implicit)) return 1;
+  }
+  return 0;
 }
 
 int tet_repair_is_bad(const repair *r, uint32_t t) {
@@ -330,10 +352,11 @@ static tet_status push_bad(repair *r) {
 static tet_status flip_and_mend(repair *r) {
   tet_status status = TET_OK;
   for (int strict = 1; strict >= 0 && r->n_stack && status == TET_OK; strict--) {
+    int stuck;
     r->strict = strict;
-    status = flip_all(r, r->surface);
-    if (status == TET_OK) status = mend_all(r);
-    if (status == TET_OK && strict) status = push_bad(r);
+    status = flip_all(r, r->surface, &stuck);
+    if (status == TET_OK && stuck) status = mend_all(r);
+    if (status == TET_OK && stuck && strict) status = push_bad(r);
   }
   return status;
 }
@@ -377,7 +400,7 @@ static tet_status verify_subfaces(const repair *r) {
   uint64_t n = 0;
   const double *place_of = NULL;
   for (uint32_t h = 0; h < 4 * r->p->n_tets; h++) {
-    if (!is_folded(r, h)) continue;
+    if (repair_is_dead(r, h >> 2) || !is_folded(r, h)) continue;
     n++;
     place_of = repair_at(r, r->p->tets[(h & ~3U) + tet_face[h & 3][0]]);
   }
@@ -394,7 +417,7 @@ static tet_status verify(const repair *r, tet_breaks *breaks) {
   uint8_t *taken = NULL;
   tet_status status = TET_OK;
   for (uint32_t t = 0; t < r->p->n_tets && status == TET_OK; t++) {
-    if (!tet_repair_is_bad(r, t)) continue;
+    if (repair_is_dead(r, t) || !tet_repair_is_bad(r, t)) continue;
     if (!n++) taken = tet_calloc(r->ctx, r->surface->n_subsegs, 1);
     place_of = repair_at(r, r->p->tets[4 * (size_t)t]);
     status = taken ? break_at(r, t, taken, breaks) : tet_ctx_error(r->ctx)->status;
@@ -429,18 +452,21 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   r.exact.x = p->points; /* moved there */
   r.rounded = tet_points_explicit(p->points, p->n_points);
   r.rounded.max_abs = r.exact.max_abs;
+  r.made = tet_calloc(ctx, n, 1);
+  r.cap_made = n;
+  if (!r.made) status = tet_ctx_error(ctx)->status;
   for (uint32_t t = (uint32_t)n; t-- > 0 && status == TET_OK;)
-    if (may_be_bad(&r, t)) status = push(&r, t);
+    if (has_steiner_point(&r, t)) status = push(&r, t);
   for (uint32_t e = 0; e < surface->n_subsegs && r.n_stack && status == TET_OK; e++)
     status = tet_edge_map_put(ctx, &r.subsegs, surface->subseg[2 * (size_t)e], surface->subseg[2 * (size_t)e + 1], e);
   if (status == TET_OK) status = list_patches(&r, surface);
   if (status == TET_OK) status = flip_and_mend(&r);
-  tet_close_gaps(p, *tri);
   if (status == TET_OK) status = verify(&r, breaks);
+  tet_close_gaps(p, *tri);
   counts->rounding_flips = r.flips + r.refills;
   counts->rounding_moves = r.moves;
   tet_edge_map_free(ctx, &r.subsegs);
-  void *all[] = {r.mark, r.star, r.beside, r.reach, r.first, r.entry, r.patch_start, r.patches, r.stack};
+  void *all[] = {r.made, r.mark, r.star, r.beside, r.reach, r.first, r.entry, r.patch_start, r.patches, r.stack};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(ctx, all[i]);
   return status;
 }

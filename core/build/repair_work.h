@@ -18,6 +18,8 @@ typedef struct repair {
   tet_edge_map subsegs;
   uint32_t *patch_start;   /* [vertices + 1] into patches */
   uint32_t *patches;       /* the patches of each vertex */
+  uint8_t *made;           /* [n_tets] 1: not as it was before rounding */
+  size_t cap_made;
   uint32_t *stack;         /* tetrahedra to look at */
   size_t n_stack, cap_stack;
   uint32_t *star;          /* shift.c: the tetrahedra of a vertex */
@@ -56,8 +58,11 @@ int tet_repair_is_bad(const repair *r, uint32_t t);
 /* A slot for one more tetrahedron, not live yet. */
 tet_status tet_repair_new_slot(repair *r, uint32_t *ret_t);
 
-/* Tells shift.c of a new tetrahedron, or one with new vertices. */
+/* Notes a new tetrahedron, or one with new vertices. */
 tet_status tet_repair_made(repair *r, uint32_t t);
+
+/* The same, for shift.c's own lists alone. */
+tet_status tet_shift_note(repair *r, uint32_t t);
 
 /* Tries to move Steiner point v along its segment, by as little as will do, so that
  * fewer of the faces of its tetrahedra are bad and none turns. *ret_done: 1 if it did. */

@@ -11,10 +11,15 @@
 #include <string.h>
 
 #include "base/vector.h"
+#include "build/rim.h"
 #include "exact/predicates.h"
 #include "mesh/edge_map.h"
 
 #define BOTH_ACUTE TET_GHOST
+
+/* Of a subsegment. What is no edge of a Delaunay tetrahedralization does not become one by more vertices: ABSENT
+ * lasts. Neither of the two: it is to be looked for. */
+enum { QUEUED = 1, PRESENT = 2, ABSENT = 4 };
 
 /* Segments are beside each other when the cosine between them is larger. */
 static const double BESIDE = 0.5;
@@ -38,13 +43,14 @@ typedef struct recovery {
   tet_state *st;
   tet_ctx *ctx;
   tet_edge_map edges;  /* subsegments by their ends */
-  uint8_t *on_segment; /* [vertices] */
-  size_t cap_on_segment;
+  uint64_t *mask;      /* [vertices] the bits of the other ends of its subsegments, and of some that were */
+  size_t cap_mask;
   uint32_t *acute;     /* [subsegments] R: the acute end, TET_NONE (type-0), BOTH_ACUTE */
-  uint8_t *queued;     /* [subsegments] */
-  size_t cap_acute, cap_queued;
+  uint8_t *state;      /* [subsegments] QUEUED, PRESENT, ABSENT */
+  size_t cap_acute, cap_state;
   uint32_t *queue;     /* a ring */
   size_t cap_queue, head, n_queue;
+  tet_rim rim;         /* of the last cavity */
 } recovery;
 
 static const double *at(const recovery *r, uint32_t v) { return r->st->points.x + 3 * (size_t)v; }
@@ -54,7 +60,7 @@ static double distance(const double *a, const double *b) {
 }
 
 static tet_status enqueue(recovery *r, uint32_t e) {
-  if (r->queued[e]) return TET_OK;
+  if (r->state[e] & QUEUED) return TET_OK;
   if (r->n_queue == r->cap_queue) {
     size_t old = r->cap_queue;
     tet_status status = tet_grow(r->ctx, &r->queue, &r->cap_queue, old + 1, sizeof *r->queue);
@@ -66,18 +72,32 @@ static tet_status enqueue(recovery *r, uint32_t e) {
     if (r->head == r->cap_queue) r->head = 0;
   }
   r->queue[(r->head + r->n_queue++) % r->cap_queue] = e;
-  r->queued[e] = 1;
+  r->state[e] |= QUEUED;
   return TET_OK;
 }
 
 /* Room for the per-subsegment and per-vertex arrays. */
 static tet_status make_room(recovery *r) {
-  size_t n = r->st->surface.n_subsegs, from = r->cap_on_segment;
+  size_t n = r->st->surface.n_subsegs, from = r->cap_mask;
   tet_status status = tet_grow(r->ctx, &r->acute, &r->cap_acute, n, sizeof *r->acute);
-  if (status == TET_OK) status = tet_grow(r->ctx, &r->queued, &r->cap_queued, n, 1);
-  if (status == TET_OK) status = tet_grow(r->ctx, &r->on_segment, &r->cap_on_segment, r->st->points.n, 1);
-  if (status == TET_OK && r->cap_on_segment > from) memset(r->on_segment + from, 0, r->cap_on_segment - from);
-  return status;
+  if (status == TET_OK) status = tet_grow(r->ctx, &r->state, &r->cap_state, n, 1);
+  if (status == TET_OK) status = tet_grow(r->ctx, &r->mask, &r->cap_mask, r->st->points.n, sizeof *r->mask);
+  if (status == TET_OK && r->cap_mask > from) memset(r->mask + from, 0, (r->cap_mask - from) * sizeof *r->mask);
+  return status == TET_OK ? tet_rim_reserve(r->ctx, &r->rim, r->st->points.n) : status;
+}
+
+static inline uint64_t bit_of(uint32_t v) { return UINT64_C(1) << (v * 0x9E3779B1u >> 26); }
+
+/* Enters subsegment e, with ends a and b, where it is looked up. */
+static tet_status enter(recovery *r, uint32_t a, uint32_t b, uint32_t e) {
+  r->mask[a] |= bit_of(b);
+  r->mask[b] |= bit_of(a);
+  return tet_edge_map_put(r->ctx, &r->edges, a, b, e);
+}
+
+/* The subsegment with ends a and b, or TET_NONE: mostly told by one bit. */
+static inline uint32_t look_up(const recovery *r, uint32_t a, uint32_t b) {
+  return r->mask[a] & bit_of(b) ? tet_edge_map_get(&r->edges, a, b) : TET_NONE;
 }
 
 /* Marks vertices where two segments meet at less than 90 degrees (5.3.1).
@@ -284,20 +304,34 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   return tet_state_fine_place(r->st, g->a, g->b, t, NUDGE * fmin(t - ti, tj - t));
 }
 
-/* Looks for subsegments among the edges of the cavity just filled. */
+/* Looks for subsegments among the edges of the cavity just filled: those that are not on its border are no edges
+ * any more. */
 static tet_status requeue_cavity(recovery *r) {
   const tet_complex *c = &r->st->complex;
   tet_status status = TET_OK;
+  int known = tet_rim_find(&r->rim, c);
   for (size_t k = 0; k < c->n_cavity && status == TET_OK; k++) {
     const uint32_t *v = c->old[k];
     for (int i = 0; i < 4; i++)
       for (int j = i + 1; j < 4 && status == TET_OK; j++) {
-        if (v[i] == TET_GHOST || v[j] == TET_GHOST || !r->on_segment[v[i]] || !r->on_segment[v[j]]) continue;
-        uint32_t e = tet_edge_map_get(&r->edges, v[i], v[j]);
-        if (e != TET_NONE) status = enqueue(r, e);
+        uint32_t e = v[i] == TET_GHOST || v[j] == TET_GHOST ? TET_NONE : look_up(r, v[i], v[j]);
+        if (e == TET_NONE) continue;
+        uint8_t now = !known ? 0 : tet_rim_has(&r->rim, v[i], v[j]) ? PRESENT : ABSENT;
+        r->state[e] = (uint8_t)((r->state[e] & QUEUED) | now);
+        status = enqueue(r, e);
       }
   }
   return status;
+}
+
+/* PRESENT or ABSENT: whether the vertex just inserted has an edge with vertex a. */
+static uint8_t state_with(const recovery *r, uint32_t a) {
+  const tet_complex *c = &r->st->complex;
+  for (size_t k = 0; k < c->n_border; k++) {
+    const uint32_t *v = c->border[k].v;
+    if (v[0] == a || v[1] == a || v[2] == a || v[3] == a) return PRESENT;
+  }
+  return ABSENT;
 }
 
 /* Splits subsegment e at t of its segment: a Steiner point in the complex and the
@@ -314,11 +348,11 @@ static tet_status split_at(recovery *r, uint32_t e, double t) {
   const tet_segment *g = &s->segment[s->subseg_segment[e]];
   r->acute[e] = acute == BOTH_ACUTE ? g->a : acute;
   r->acute[other] = acute == BOTH_ACUTE ? g->b : acute;
-  r->queued[other] = 0;
-  r->on_segment[v] = 1;
+  r->state[e] = state_with(r, a);
+  r->state[other] = state_with(r, b);
   tet_edge_map_remove(&r->edges, a, b);
-  status = tet_edge_map_put(r->ctx, &r->edges, a, v, e);
-  if (status == TET_OK) status = tet_edge_map_put(r->ctx, &r->edges, v, b, other);
+  status = enter(r, a, v, e);
+  if (status == TET_OK) status = enter(r, v, b, other);
   if (status == TET_OK) status = requeue_cavity(r);
   if (status == TET_OK) status = enqueue(r, e);
   if (status == TET_OK) status = enqueue(r, other);
@@ -334,17 +368,30 @@ static tet_status split(recovery *r, uint32_t e) {
   return status == TET_OK ? split_at(r, e, split_place(r, e, p)) : status;
 }
 
+/* Marks the subsegments that are sides of triangles that are faces: most of those that are not missing. */
+static tet_status mark_present(recovery *r) {
+  const tet_surface *s = &r->st->surface;
+  uint32_t *face = NULL;
+  tet_status status = tet_match_triangles(r->st, &face);
+  for (size_t i = 0; i < 3 * (size_t)s->n_tris && status == TET_OK; i++)
+    if (face[i / 3] != TET_NONE && s->tri_seg[i] != TET_NONE) r->state[s->tri_seg[i]] |= PRESENT;
+  tet_free(r->ctx, face);
+  return status;
+}
+
 static tet_status recover(recovery *r) {
   tet_surface *s = &r->st->surface;
   uint64_t splits = 0;
   tet_status status = TET_OK;
   while (r->n_queue && status == TET_OK) {
-    uint32_t e = r->queue[r->head], t;
+    uint32_t e = r->queue[r->head], t = TET_NONE;
+    int known = r->state[e] & (PRESENT | ABSENT);
     r->head = (r->head + 1) % r->cap_queue;
     r->n_queue--;
-    r->queued[e] = 0;
-    status = tet_complex_find_edge(&r->st->complex, s->subseg[2 * (size_t)e], s->subseg[2 * (size_t)e + 1], &t);
-    if (status == TET_OK && t == TET_NONE) {
+    r->state[e] = (uint8_t)known;
+    if (!known)
+      status = tet_complex_find_edge(&r->st->complex, s->subseg[2 * (size_t)e], s->subseg[2 * (size_t)e + 1], &t);
+    if (status == TET_OK && t == TET_NONE && known != PRESENT) {
       splits++;
       const tet_segment *g = &s->segment[s->subseg_segment[e]];
       r->st->counts.missing_segments += s->subseg[2 * (size_t)e] == g->a && s->subseg[2 * (size_t)e + 1] == g->b;
@@ -365,17 +412,18 @@ tet_status tet_recover_segments(tet_state *st) {
   if (status == TET_OK) status = find_acute(&r);
   for (uint32_t e = 0; e < s->n_subsegs && status == TET_OK; e++) {
     const uint32_t *v = s->subseg + 2 * (size_t)e;
-    r.on_segment[v[0]] = r.on_segment[v[1]] = 1;
-    r.queued[e] = 0;
-    status = tet_edge_map_put(r.ctx, &r.edges, v[0], v[1], e);
+    r.state[e] = 0;
+    status = enter(&r, v[0], v[1], e);
     if (status == TET_OK) status = enqueue(&r, e);
   }
+  if (status == TET_OK) status = mark_present(&r);
   if (status == TET_OK) status = recover(&r);
   st->complex.keep_old = 0;
   tet_edge_map_free(r.ctx, &r.edges);
-  tet_free(r.ctx, r.on_segment);
+  tet_free(r.ctx, r.mask);
+  tet_rim_free(r.ctx, &r.rim);
   tet_free(r.ctx, r.acute);
-  tet_free(r.ctx, r.queued);
+  tet_free(r.ctx, r.state);
   tet_free(r.ctx, r.queue);
   return status;
 }

@@ -45,11 +45,11 @@ static tet_status begin(repair *r) {
   }
   tet_status status = TET_OK;
   for (uint32_t t = 0; t < r->p->n_tets && status == TET_OK; t++)
-    if (!repair_is_dead(r, t)) status = tet_repair_made(r, t);
+    if (!repair_is_dead(r, t)) status = tet_shift_note(r, t);
   return status;
 }
 
-tet_status tet_repair_made(repair *r, uint32_t t) {
+tet_status tet_shift_note(repair *r, uint32_t t) {
   tet_status status = TET_OK;
   for (int i = 0; i < 4 && r->first && status == TET_OK; i++) {
     uint32_t v = r->p->tets[4 * (size_t)t + (size_t)i];

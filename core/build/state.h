@@ -81,6 +81,10 @@ tet_status tet_split_breaks(tet_state *st);
  * test for each pair of triangles; about constant for each break point. */
 tet_status tet_remove_degeneracies(tet_state *st, int may_break, size_t *ret_added);
 
+/* *ret_face, the caller's: [triangles of the surface] a handle of the face of st->complex that each is, or
+ * TET_NONE. Cost: about 20 ns for each tetrahedron. */
+tet_status tet_match_triangles(tet_state *st, uint32_t **ret_face);
+
 /* SEGMENTRECOVERY (5.3): afterwards every subsegment of st->surface is an edge of
  * the Delaunay tetrahedralization st->complex. */
 tet_status tet_recover_segments(tet_state *st);

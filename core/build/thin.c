@@ -87,13 +87,16 @@ void tet_breaks_sort(tet_breaks *breaks) {
 static int is_outside(const double *points, const uint32_t xy[2], uint32_t d, uint32_t e) {
   const double *x = points + 3 * (size_t)xy[0], *y = points + 3 * (size_t)xy[1];
   const uint32_t apex[2] = {d, e};
-  double cosine[2], sine[2];
+  double u[2][3], v[2][3], cosine[2], sine[2];
   for (int k = 0; k < 2; k++) {
-    double u[3], v[3], n[3];
-    tet_minus(x, points + 3 * (size_t)apex[k], u);
-    tet_minus(y, points + 3 * (size_t)apex[k], v);
-    tet_cross(u, v, n);
-    cosine[k] = tet_dot(u, v);
+    tet_minus(x, points + 3 * (size_t)apex[k], u[k]);
+    tet_minus(y, points + 3 * (size_t)apex[k], v[k]);
+    cosine[k] = tet_dot(u[k], v[k]);
+  }
+  if (cosine[0] >= 0 && cosine[1] >= 0) return 0;
+  for (int k = 0; k < 2; k++) {
+    double n[3];
+    tet_cross(u[k], v[k], n);
     sine[k] = sqrt(tet_square(n));
   }
   return sine[0] * cosine[1] + cosine[0] * sine[1] < 0;
@@ -109,11 +112,11 @@ static int must_break(const tet_surface *s, const tet_points *exact, const tet_p
     uint32_t v = p->tets[4 * t + tet_face[i][c]];
     if (v != e) xy[n++] = v;
   }
+  if (!is_outside(p->points, xy, d, e)) return 0;
   uint32_t sub = subsegment_of(s, k, xy[0], xy[1]);
   if (sub == TET_NONE) return 0;
   least = fmin(least, SQUEEZED * fmin(length(p->points, xy[0], xy[1]), length(p->points, d, e)));
   if (s->segment[s->subseg_segment[sub]].crease && least > 0) least = fmax(least, 4 * s->planarity); /* as thick as the facet */
-  if (!is_outside(p->points, xy, d, e)) return 0;
   double gap = least;
   tet_break_consider(s, exact, p->points, sub, xy[0], xy[1], d, e, ret, &gap);
   return gap < least;
