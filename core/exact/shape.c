@@ -86,7 +86,7 @@ void tet_unit_normal(const double a[3], const double b[3], const double c[3], do
   tet_minus(c, a, v);
   tet_cross(u, v, ret);
   double square = tet_square(ret), least = TET_SURE_SHAPE * tet_square(u) * tet_square(v);
-  if (!(square > fmax(least, 0x1p-450) && square < 0x1p450)) {
+  if (!(least > 0 && square > fmax(least, 0x1p-450) && square < 0x1p450)) {
     space store;
     num normal[3];
     tet_dyadic_begin(&store);

@@ -84,9 +84,22 @@ static void the_order_of_vertices_does_not_count(void **state) {
   }
 }
 
+/* Of two sides nearly along one line, one of them so short that its square is no double. */
+static void a_unit_normal_does_not_know_lengths(void **unused) {
+  (void)unused;
+  const double a[3] = {0, 0, 0}, c[3] = {0x1.3p500, 0x1.7p499, 0x1.1p500};
+  double b[3], short_b[3], n[3], of_short[3];
+  for (int k = 0; k < 3; k++) b[k] = c[k] * (1 + (k - 1) * 0x1p-50) / 3;
+  for (int k = 0; k < 3; k++) short_b[k] = b[k] * 0x1p-1050;
+  tet_unit_normal(a, b, c, n);
+  tet_unit_normal(a, short_b, c, of_short);
+  for (int k = 0; k < 3; k++) assert_true(fabs(n[k] - of_short[k]) <= 1e-14);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(known_ones_are_found),
                                      cmocka_unit_test(a_triangle_is_seen_along_one_axis),
+                                     cmocka_unit_test(a_unit_normal_does_not_know_lengths),
                                      cmocka_unit_test(the_order_of_vertices_does_not_count)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
