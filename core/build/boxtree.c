@@ -54,8 +54,8 @@ static tet_status order_boxes(tree *t) {
   uint64_t *key = tet_alloc(t->ctx, n, sizeof *key);
   tet_keyed *scratch = tet_alloc(t->ctx, n, sizeof *scratch);
   t->item = tet_alloc(t->ctx, n, sizeof *t->item);
-  int ok = x && key && scratch && t->item;
-  if (ok) {
+  tet_status st = x && key && scratch && t->item ? tet_poll(t->ctx) : tet_ctx_error(t->ctx)->status;
+  if (st == TET_OK) {
     for (size_t i = 0; i < 3 * n; i++) x[i] = middle(&t->box[i / 3], (int)(i % 3));
     tet_hilbert_box cube = tet_hilbert_bound(x, NULL, t->n);
     tet_hilbert_keys(&cube, x, NULL, t->n, key);
@@ -65,7 +65,7 @@ static tet_status order_boxes(tree *t) {
   tet_free(t->ctx, x);
   tet_free(t->ctx, key);
   tet_free(t->ctx, scratch);
-  return ok ? TET_OK : tet_ctx_error(t->ctx)->status;
+  return st == TET_OK ? tet_poll(t->ctx) : st;
 }
 
 static int before(const tree *t, const tet_keyed *i, const tet_keyed *j, int axis) {

@@ -152,7 +152,7 @@ static int is_beyond(const finder *f, const uint32_t t[3], const uint32_t u[3], 
   int beyond = 0;
   for (int j = 0; j < 3 && !beyond; j++) {
     uint32_t a = t[j], b = t[(j + 1) % 3];
-    beyond = !is_corner(u, t[(j + 2) % 3]);
+    beyond = 1;
     for (int d = 0; d < 3 && beyond; d++)
       beyond = u[d] == a || u[d] == b || tet_orient2d(f->points, axis, a, b, u[d]) < 0;
   }

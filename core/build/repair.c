@@ -400,7 +400,7 @@ static tet_status verify_subfaces(const repair *r) {
   uint64_t n = 0;
   const double *place_of = NULL;
   for (uint32_t h = 0; h < 4 * r->p->n_tets; h++) {
-    if (repair_is_dead(r, h >> 2) || !is_folded(r, h)) continue;
+    if (!is_folded(r, h)) continue;
     n++;
     place_of = repair_at(r, r->p->tets[(h & ~3U) + tet_face[h & 3][0]]);
   }
@@ -410,26 +410,34 @@ static tet_status verify_subfaces(const repair *r) {
                   (unsigned long long)n, place_of[0], place_of[1], place_of[2]);
 }
 
-/* What is left, if anything is. */
-static tet_status verify(const repair *r, tet_breaks *breaks) {
+/* TET_E_ROUNDING, with places to break; without gaps. */
+static tet_status fail(repair *r, tet_breaks *breaks) {
   uint64_t n = 0;
   const double *place_of = NULL;
-  uint8_t *taken = NULL;
-  tet_status status = TET_OK;
+  uint8_t *taken = tet_calloc(r->ctx, r->surface->n_subsegs, 1);
+  tet_status status = taken ? TET_OK : tet_ctx_error(r->ctx)->status;
+  memset(r->made, 1, r->p->n_tets); /* others have taken the places of those */
   for (uint32_t t = 0; t < r->p->n_tets && status == TET_OK; t++) {
-    if (repair_is_dead(r, t) || !tet_repair_is_bad(r, t)) continue;
-    if (!n++) taken = tet_calloc(r->ctx, r->surface->n_subsegs, 1);
+    if (!tet_repair_is_bad(r, t)) continue;
+    n++;
     place_of = repair_at(r, r->p->tets[4 * (size_t)t]);
-    status = taken ? break_at(r, t, taken, breaks) : tet_ctx_error(r->ctx)->status;
+    status = break_at(r, t, taken, breaks);
   }
   tet_free(r->ctx, taken);
-  if (!n && status == TET_OK) return verify_subfaces(r);
   if (status != TET_OK) return status;
   tet_breaks_sort(breaks);
   return tet_fail(r->ctx, TET_E_ROUNDING,
                   "facets closer than doubles hold: rounding leaves %llu tetrahedra inverted or not locally Delaunay, "
                   "near (%.17g, %.17g, %.17g)",
                   (unsigned long long)n, place_of[0], place_of[1], place_of[2]);
+}
+
+/* Closes the gaps; an error where something bad is left. */
+static tet_status verify(repair *r, tet_breaks *breaks) {
+  int bad = 0;
+  for (uint32_t t = 0; t < r->p->n_tets && !bad; t++) bad = !repair_is_dead(r, t) && tet_repair_is_bad(r, t);
+  tet_close_gaps(r->p, *r->tri);
+  return bad ? fail(r, breaks) : verify_subfaces(r);
 }
 
 /* Fills the lists of patches at each vertex. */
@@ -462,7 +470,6 @@ tet_status tet_repair(tet_ctx *ctx, const tet_surface *surface, const tet_points
   if (status == TET_OK) status = list_patches(&r, surface);
   if (status == TET_OK) status = flip_and_mend(&r);
   if (status == TET_OK) status = verify(&r, breaks);
-  tet_close_gaps(p, *tri);
   counts->rounding_flips = r.flips + r.refills;
   counts->rounding_moves = r.moves;
   tet_edge_map_free(ctx, &r.subsegs);

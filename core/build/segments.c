@@ -86,18 +86,16 @@ static tet_status make_room(recovery *r) {
   return status == TET_OK ? tet_rim_reserve(r->ctx, &r->rim, r->st->points.n) : status;
 }
 
-static inline uint64_t bit_of(uint32_t v) { return UINT64_C(1) << (v * 0x9E3779B1u >> 26); }
-
 /* Enters subsegment e, with ends a and b, where it is looked up. */
 static tet_status enter(recovery *r, uint32_t a, uint32_t b, uint32_t e) {
-  r->mask[a] |= bit_of(b);
-  r->mask[b] |= bit_of(a);
+  r->mask[a] |= tet_vertex_bit(b);
+  r->mask[b] |= tet_vertex_bit(a);
   return tet_edge_map_put(r->ctx, &r->edges, a, b, e);
 }
 
 /* The subsegment with ends a and b, or TET_NONE: mostly told by one bit. */
 static inline uint32_t look_up(const recovery *r, uint32_t a, uint32_t b) {
-  return r->mask[a] & bit_of(b) ? tet_edge_map_get(&r->edges, a, b) : TET_NONE;
+  return r->mask[a] & tet_vertex_bit(b) ? tet_edge_map_get(&r->edges, a, b) : TET_NONE;
 }
 
 /* Marks vertices where two segments meet at less than 90 degrees (5.3.1).
