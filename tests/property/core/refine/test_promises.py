@@ -2,8 +2,10 @@
 """Refined members of the families hold what their input angles promise: tests/support/
 families/refined.py says what that is, and does long runs.
 
-TETRAD_RUNS cases in all from seed TETRAD_TEST_SEED on (1: the same ones every time)."""
+TETRAD_RUNS cases in all from seed TETRAD_TEST_SEED on (1: the same ones every time), and those of AGAIN
+unless TETRAD_AGAIN is 0. As many run at once as there are processors."""
 
+import concurrent.futures
 import functools
 import os
 import pathlib
@@ -43,11 +45,25 @@ def judge():
     return refined.runs.models.judge() if refined.runs.models.available() else None
 
 
+def seeds(name):
+    again = AGAIN.get(name, ()) if os.environ.get("TETRAD_AGAIN") != "0" else ()
+    return (*range(SEED, SEED + -(-RUNS // len(NAMES))), *again)
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory):
+    """The future of each case, by its name and seed."""
+    judge()
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        yield {(name, seed): pool.submit(refined.run_member, name, seed, tmp_path_factory.mktemp("case"), judge(), LIMITS)
+               for name in NAMES for seed in seeds(name)}
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_members_are_refined(name, tmp_path):
+def test_members_are_refined(name, cases):
     said = []
-    for seed in (*range(SEED, SEED + -(-RUNS // len(NAMES))), *AGAIN.get(name, ())):
-        case = refined.run_member(name, seed, tmp_path, judge(), LIMITS)
+    for seed in seeds(name):
+        case = cases[name, seed].result()
         if "seconds" in case.over_limit or (case.over_limit and name not in NARROW):
             case.faults.append(case.over_limit)
         expected = judge() and (name, seed) in NOT_YET
