@@ -29,7 +29,7 @@ LEAST_MEDIAN = 0.005  # seconds: below it the clock says nothing
 LIMIT = 120
 OFFENCE = re.compile(r"^  kind (\d+) number (\d+), kind (\d+) number (\d+)", re.M)
 STATUS = re.compile(r": ([a-z_]+): ")
-JUDGE_TOLERANCE = "1e-14"
+JUDGE_TOLERANCE = "0"
 JUDGE_FAULT = re.compile(r'"[^"]*"')
 
 
