@@ -16,6 +16,18 @@ typedef struct tet_keyed {
   uint64_t value;
 } tet_keyed;
 
+static inline void tet_sort2(uint32_t *a, uint32_t *b) {
+  uint32_t lower = *a < *b ? *a : *b;
+  *b = *a < *b ? *b : *a;
+  *a = lower;
+}
+
+static inline void tet_sort3(uint32_t v[3]) {
+  tet_sort2(&v[0], &v[1]);
+  tet_sort2(&v[1], &v[2]);
+  tet_sort2(&v[0], &v[1]);
+}
+
 /* Sorts `n` items by (key, value). n log n in the worst case. */
 void tet_sort_keyed(tet_keyed *items, size_t n);
 

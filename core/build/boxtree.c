@@ -10,6 +10,7 @@
 
 #include "base/hilbert.h"
 #include "base/sort.h"
+#include "base/vector.h"
 #include "build/tilted.h"
 
 enum { LEAF = 4, MAX_DEPTH = 64, MANY = 32 }; /* MANY: pairs a box before boxes are tilted */
@@ -95,18 +96,17 @@ static void select_median(tree *t, uint32_t from, uint32_t to, uint32_t k, int a
 }
 
 static int longest_axis(const tree *t, uint32_t from, uint32_t to) {
-  double lo[3], hi[3];
-  int axis = 0;
+  double side[3];
   for (int k = 0; k < 3; k++) {
-    lo[k] = hi[k] = middle(&t->box[which(t, from)], k);
+    double lo = middle(&t->box[which(t, from)], k), hi = lo;
     for (uint32_t i = from + 1; i < to; i++) {
       double m = middle(&t->box[which(t, i)], k);
-      if (m < lo[k]) lo[k] = m;
-      if (m > hi[k]) hi[k] = m;
+      if (m < lo) lo = m;
+      if (m > hi) hi = m;
     }
-    if (hi[k] - lo[k] > hi[axis] - lo[axis]) axis = k;
+    side[k] = hi - lo;
   }
-  return axis;
+  return tet_longest_axis(side);
 }
 
 /* The nodes, without their boxes. */

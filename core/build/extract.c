@@ -79,9 +79,9 @@ static tet_status find_bare(tet_state *st, const tet_pieces *p, uint8_t *used) {
     status = tet_edge_map_put(st->ctx, &edges, v[0], v[1], e);
   }
   for (size_t t = 0; t < p->n_tets && edges.n && status == TET_OK; t++)
-    for (int i = 0; i < 4; i++)
-      for (int j = i + 1; j < 4; j++) {
-        uint32_t a = p->tets[4 * t + (size_t)i], b = p->tets[4 * t + (size_t)j];
+    for (size_t i = 0; i < 4; i++)
+      for (size_t j = i + 1; j < 4; j++) {
+        uint32_t a = p->tets[4 * t + i], b = p->tets[4 * t + j];
         uint32_t e = on[a] && on[b] ? tet_edge_map_get(&edges, a, b) : TET_NONE;
         if (e != TET_NONE) used[e] = 1;
       }

@@ -35,13 +35,14 @@ static tet_status list_corners(tet_state *st, corner_list *l) {
   for (int fill = 0; fill < 2; fill++) {
     for (uint32_t t = 0; t < s->n_tris; t++) {
       const uint32_t *v = s->tri + 3 * (size_t)t;
-      uint64_t w[3] = {v[0], v[1], v[2]};
-      order(&w[0], &w[1]);
-      order(&w[1], &w[2]);
-      order(&w[0], &w[1]);
-      if (fill) l->entry[l->start[w[0] + 1]++] = (tet_keyed){w[1] << 32 | w[2], t};
-      else l->start[w[0] + 2]++;
-      l->mask[w[0]] |= tet_vertex_bit((uint32_t)w[1]) | tet_vertex_bit((uint32_t)w[2]);
+      uint32_t w[3] = {v[0], v[1], v[2]};
+      tet_sort3(w);
+      if (fill) {
+        l->entry[l->start[w[0] + 1]++] = (tet_keyed){(uint64_t)w[1] << 32 | w[2], t};
+        l->mask[w[0]] |= tet_vertex_bit(w[1]) | tet_vertex_bit(w[2]);
+      } else {
+        l->start[w[0] + 2]++;
+      }
     }
     for (size_t v = 2; v < n + 2 && !fill; v++) l->start[v] += l->start[v - 1];
   }

@@ -23,7 +23,10 @@ void tet_rim_free(tet_ctx *ctx, tet_rim *l);
  * known of it. */
 int tet_rim_find(tet_rim *l, const tet_complex *c);
 
-/* 1: v and w, vertices of the border, have an edge on it. */
+/* 1: v is on the border, and so has an edge with the vertex just inserted. */
+static inline int tet_rim_holds(const tet_rim *l, uint32_t v) { return l->place[v] != 0; }
+
+/* 1: v and w have an edge on the border. */
 int tet_rim_has(const tet_rim *l, uint32_t v, uint32_t w);
 
 #endif

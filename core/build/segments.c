@@ -302,34 +302,25 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
   return tet_state_fine_place(r->st, g->a, g->b, t, NUDGE * fmin(t - ti, tj - t));
 }
 
-/* Looks for subsegments among the edges of the cavity just filled: those that are not on its border are no edges
+/* What is to be noted of a subsegment that is an edge or not, if that is known. */
+static uint8_t state_of(int known, int is_edge) { return known ? is_edge ? PRESENT : ABSENT : 0; }
+
+/* Looks for subsegments among the edges of the cavity just filled, if known, by its rim: those that are not on its border are no edges
  * any more. */
-static tet_status requeue_cavity(recovery *r) {
+static tet_status requeue_cavity(recovery *r, int known) {
   const tet_complex *c = &r->st->complex;
   tet_status status = TET_OK;
-  int known = tet_rim_find(&r->rim, c);
   for (size_t k = 0; k < c->n_cavity && status == TET_OK; k++) {
     const uint32_t *v = c->old[k];
     for (int i = 0; i < 4; i++)
       for (int j = i + 1; j < 4 && status == TET_OK; j++) {
         uint32_t e = v[i] == TET_GHOST || v[j] == TET_GHOST ? TET_NONE : look_up(r, v[i], v[j]);
         if (e == TET_NONE) continue;
-        uint8_t now = !known ? 0 : tet_rim_has(&r->rim, v[i], v[j]) ? PRESENT : ABSENT;
-        r->state[e] = (uint8_t)((r->state[e] & QUEUED) | now);
+        r->state[e] = (uint8_t)((r->state[e] & QUEUED) | state_of(known, tet_rim_has(&r->rim, v[i], v[j])));
         status = enqueue(r, e);
       }
   }
   return status;
-}
-
-/* PRESENT or ABSENT: whether the vertex just inserted has an edge with vertex a. */
-static uint8_t state_with(const recovery *r, uint32_t a) {
-  const tet_complex *c = &r->st->complex;
-  for (size_t k = 0; k < c->n_border; k++) {
-    const uint32_t *v = c->border[k].v;
-    if (v[0] == a || v[1] == a || v[2] == a || v[3] == a) return PRESENT;
-  }
-  return ABSENT;
 }
 
 /* Splits subsegment e at t of its segment: a Steiner point in the complex and the
@@ -346,12 +337,13 @@ static tet_status split_at(recovery *r, uint32_t e, double t) {
   const tet_segment *g = &s->segment[s->subseg_segment[e]];
   r->acute[e] = acute == BOTH_ACUTE ? g->a : acute;
   r->acute[other] = acute == BOTH_ACUTE ? g->b : acute;
-  r->state[e] = state_with(r, a);
-  r->state[other] = state_with(r, b);
+  int known = tet_rim_find(&r->rim, &st->complex);
+  r->state[e] = state_of(known, tet_rim_holds(&r->rim, a));
+  r->state[other] = state_of(known, tet_rim_holds(&r->rim, b));
   tet_edge_map_remove(&r->edges, a, b);
   status = enter(r, a, v, e);
   if (status == TET_OK) status = enter(r, v, b, other);
-  if (status == TET_OK) status = requeue_cavity(r);
+  if (status == TET_OK) status = requeue_cavity(r, known);
   if (status == TET_OK) status = enqueue(r, e);
   if (status == TET_OK) status = enqueue(r, other);
   return status;

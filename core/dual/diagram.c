@@ -36,19 +36,9 @@ tet_status tet_end_polygon(tet_polygons *p, uint32_t from, uint32_t to) {
   return status;
 }
 
-static void sort3(uint32_t v[3]) {
-  for (int i = 0; i < 2; i++)
-    for (int j = i + 1; j < 3; j++)
-      if (v[j] < v[i]) {
-        uint32_t t = v[i];
-        v[i] = v[j];
-        v[j] = t;
-      }
-}
-
 uint32_t tet_find_subface(const tet_polygons *p, uint32_t a, uint32_t b, uint32_t c) {
   uint32_t v[3] = {a, b, c};
-  sort3(v);
+  tet_sort3(v);
   uint64_t key = (uint64_t)v[0] << 32 | v[1], value = (uint64_t)v[2] << 32;
   size_t low = 0, high = p->mesh->n_subfaces;
   while (low < high) {
@@ -189,7 +179,7 @@ static tet_status make_tables(tet_polygons *p) {
   for (uint32_t s = 0; s < m->n_subfaces; s++) {
     uint32_t v[3];
     memcpy(v, m->subfaces + 3 * (size_t)s, sizeof v);
-    sort3(v);
+    tet_sort3(v);
     p->subface[s] = (tet_keyed){(uint64_t)v[0] << 32 | v[1], (uint64_t)v[2] << 32 | s};
   }
   tet_sort_keyed(p->subface, m->n_subfaces);

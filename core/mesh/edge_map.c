@@ -6,18 +6,12 @@
 
 #include <tet/mesh.h>
 
+#include "base/sort.h"
+
 static size_t home(const tet_edge_map *m, uint32_t a, uint32_t b) {
   uint64_t key = (uint64_t)a << 32 | b;
   key *= 0x9E3779B97F4A7C15u;
   return (size_t)(key >> 32 ^ key >> 13) & m->mask;
-}
-
-static void order(uint32_t *a, uint32_t *b) {
-  if (*a > *b) {
-    uint32_t t = *a;
-    *a = *b;
-    *b = t;
-  }
 }
 
 /* The slot of edge ab (a < b), or the empty one where it belongs. */
@@ -51,7 +45,7 @@ tet_status tet_edge_map_put(tet_ctx *ctx, tet_edge_map *m, uint32_t a, uint32_t 
     tet_status status = enlarge(ctx, m);
     if (status != TET_OK) return status;
   }
-  order(&a, &b);
+  tet_sort2(&a, &b);
   uint32_t *s = m->slot + 3 * probe(m, a, b);
   m->n += s[0] == TET_NONE;
   s[0] = a;
@@ -62,14 +56,14 @@ tet_status tet_edge_map_put(tet_ctx *ctx, tet_edge_map *m, uint32_t a, uint32_t 
 
 uint32_t tet_edge_map_get(const tet_edge_map *m, uint32_t a, uint32_t b) {
   if (!m->slot) return TET_NONE;
-  order(&a, &b);
+  tet_sort2(&a, &b);
   const uint32_t *s = m->slot + 3 * probe(m, a, b);
   return s[0] == TET_NONE ? TET_NONE : s[2];
 }
 
 void tet_edge_map_remove(tet_edge_map *m, uint32_t a, uint32_t b) {
   if (!m->slot) return;
-  order(&a, &b);
+  tet_sort2(&a, &b);
   size_t gap = probe(m, a, b);
   if (m->slot[3 * gap] == TET_NONE) return;
   m->n--;

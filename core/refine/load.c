@@ -4,6 +4,7 @@
  * Takes the arrays of the pieces over; decides nothing about refinement. */
 #include "refine/refiner.h"
 
+#include "base/sort.h"
 #include "base/vector.h"
 #include "exact/shape.h"
 
@@ -14,16 +15,6 @@
 static uint64_t mix(uint64_t a, uint64_t b, uint64_t c) {
   uint64_t h = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xc2b2ae3d27d4eb4fu) ^ (c * 0x165667b19e3779f9u);
   return h ^ h >> 29 ^ h >> 43;
-}
-
-static void sort3(uint32_t v[3]) {
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 2 - i; j++)
-      if (v[j] > v[j + 1]) {
-        uint32_t w = v[j];
-        v[j] = v[j + 1];
-        v[j + 1] = w;
-      }
 }
 
 static uint32_t *new_table(refiner *r, uint64_t items, uint64_t *ret_mask) {
@@ -37,7 +28,7 @@ static uint32_t *new_table(refiner *r, uint64_t items, uint64_t *ret_mask) {
 
 static int same_face(const uint32_t *sorted, const uint32_t *face) {
   uint32_t v[3] = {face[0], face[1], face[2]};
-  sort3(v);
+  tet_sort3(v);
   return memcmp(v, sorted, sizeof v) == 0;
 }
 
@@ -50,7 +41,7 @@ static tet_status hang_subfaces(refiner *r) {
   for (uint32_t s = 0; s < r->n_subs && !status; s++) {
     uint32_t v[3];
     memcpy(v, r->sub_v + 3 * (size_t)s, sizeof v);
-    sort3(v);
+    tet_sort3(v);
     uint64_t i = mix(v[0], v[1], v[2]) & mask;
     while (table[i] != TET_NONE) i = (i + 1) & mask;
     table[i] = s;
@@ -61,7 +52,7 @@ static tet_status hang_subfaces(refiner *r) {
       uint32_t v[3], found = TET_NONE, h = 4 * t + f;
       for (int j = 0; j < 3; j++) v[j] = r->mesh.v[4 * (size_t)t + tet_face[f][j]];
       if (!on[v[0]] || !on[v[1]] || !on[v[2]]) continue;
-      sort3(v);
+      tet_sort3(v);
       for (uint64_t i = mix(v[0], v[1], v[2]) & mask; table[i] != TET_NONE; i = (i + 1) & mask)
         if (same_face(v, r->sub_v + 3 * (size_t)table[i])) found = table[i];
       if (found == TET_NONE) continue;
