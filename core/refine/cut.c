@@ -216,7 +216,7 @@ double refine_cut(const refiner *r, uint32_t e, uint32_t by, double length) {
   double cut = beside(r, a, b, by, length) * refine_off_tie(r, most);
   if (cut > least && cut < 1 - least) return cut;
   int at_a = a < r->n_first && (r->segment_end[a] & END_ACUTE), at_b = b < r->n_first && (r->segment_end[b] & END_ACUTE);
-  if (!(r->segment_sharp[r->seg_of[e]] & 1) || at_a == at_b) return 0.5;
+  if (!(r->segment_sharp[r->seg_of[e]] & SHARP_PLANE) || at_a == at_b) return 0.5;
   int power;
   frexp(length * (2.0 / 3.0), &power);
   cut = ldexp(1.0, power - 1) / length * refine_off_tie(r, 1); /* about 1/3 to 2/3 */

@@ -58,10 +58,17 @@ typedef enum refine_extent {
   EXTENT_NEAR   /* all in conflict, and given up where that is more than NEAR, about */
 } refine_extent;
 
+/* What a segment has a sharp angle to. */
+enum {
+  SHARP_PLANE = 1,    /* another segment */
+  SHARP_DIHEDRAL = 2, /* between two facets */
+  SHARP_FACET = 4     /* a facet that it stands on */
+};
+
 /* What a first vertex is an end of. */
 enum {
   END_ACUTE = 1, /* segments below 60 degrees to each other */
-  END_SHARP = 2  /* a sharp segment */
+  END_SHARP = 2  /* a segment that is sharp to others, or between facets */
 };
 
 enum {
@@ -196,13 +203,15 @@ typedef struct refiner {
   uint32_t *seg_table;  /* open addressing by end points; stale entries fail the comparison */
   uint32_t seg_table_mask, seg_table_used;
 
-  uint8_t *segment_sharp;        /* [segment] bit 0: plane angle, bit 1: dihedral angle */
+  uint8_t *segment_sharp;        /* [segment] SHARP_PLANE and others, or 0 */
   double *segment_sine;          /* [segment] of its least sharp angle; 1: none is */
   uint8_t *facet_thin;           /* [facet] 1: at a dihedral angle of so small a sine as `thin` */
   uint64_t thin_points;          /* that may still be inserted there */
   uint64_t searched, in_vain;    /* tetrahedra of all cavities; of those searched for what was not split */
-  uint32_t n_sharp, n_wedges;    /* segments; those at sharp dihedral angles */
+  uint32_t n_sharp;              /* segments */
+  uint32_t n_crowds, n_wedges;   /* of these such as others, or facets, crowd around; at sharp dihedral angles */
   uint8_t *segment_end;          /* [first vertices] bits: END_ACUTE, END_SHARP */
+  double *low;                   /* [first vertices] length of the shortest subsegment there that stands low; 0: none */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
   uint32_t *segment_facet_start, *segment_facet; /* [segment] facets at each */
   uint32_t *facet_vertex_start, *facet_vertex;   /* [facet] first vertices on each */
@@ -295,6 +304,7 @@ tet_status refine_seg_star(refiner *r, uint32_t e, refine_list *list);
 
 /* sharp.c */
 tet_status refine_find_sharp(refiner *r);
+void refine_note_low(refiner *r, uint32_t e);
 
 /* sizing.c */
 tet_status refine_lfs(refiner *r);

@@ -179,7 +179,7 @@ tet_status refine_lfs(refiner *r) {
     if ((v & 63) == 0) status = tet_poll(r->ctx);
   }
   for (uint32_t e = 0; e < r->n_segs; e++)
-    if (r->segment_sharp[r->seg_of[e]] & 2)
+    if (r->segment_sharp[r->seg_of[e]] & SHARP_DIHEDRAL)
       for (int i = 0; i < 2; i++) {
         uint32_t v = r->seg_v[2 * (size_t)e + i];
         r->sharp_size[v] = r->size[v];
@@ -219,10 +219,18 @@ int refine_is_thin(const refiner *r, uint32_t p) {
   return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : segment_is_thin(r, carrier);
 }
 
-/* 1 if v is on a sharp segment: only there is H_s of (4.3), and are balls, not 0. */
+/* 1 if v is on a segment that is sharp to another or between facets: only there is H_s of (4.3), and are balls, not 0. */
 static int on_sharp(const refiner *r, uint32_t v) {
-  if (r->out->origin[v] == TET_ORIGIN_SEGMENT) return r->segment_sharp[r->out->carrier[v]] != 0;
+  if (r->out->origin[v] == TET_ORIGIN_SEGMENT)
+    return r->segment_sharp[r->out->carrier[v]] & (SHARP_PLANE | SHARP_DIHEDRAL);
   return v < r->n_first && r->segment_end[v] & END_SHARP;
+}
+
+/* The radius of the ball about v that no circumcentre's sake enters. Where a segment stands low on a facet, that is the
+ * length of its first subsegment: neither then encroaches upon the other but by what existing vertices force. */
+static double protects(const refiner *r, uint32_t v, double alpha) {
+  if (alpha > 0 && v < r->n_first && r->low[v] > 0) return r->low[v];
+  return on_sharp(r, v) ? alpha * r->size[v] : 0;
 }
 
 /* 0 where nothing is rejected, as nothing need be (3.3.1): without a sharp segment, at a bound with that
@@ -246,7 +254,7 @@ int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n,
     const double *y = refine_x(r, v);
     double d = tet_distance2(x, y);
     double ball = (r->n_wedges ? r->o.wedge_floor : r->o.floor) * r->size[v];
-    double size = cause == CAUSE_VERTEX ? r->o.wedge * r->sharp_size[v] : on_sharp(r, v) ? r->size[v] : 0, sharp = alpha * size;
+    double sharp = cause == CAUSE_VERTEX ? alpha * r->o.wedge * r->sharp_size[v] : protects(r, v, alpha);
     if (sharp > ball) ball = sharp;
     if (d > ball * ball) continue;
     rejected = 1;
@@ -277,7 +285,7 @@ static int is_neighbour(const refiner *r, uint32_t p, uint32_t facet) {
 int refine_crowded(refiner *r, const uint32_t *vertices, uint32_t n) {
   const refine_cavity *c = &r->cavity;
   const double *x = refine_x(r, c->p);
-  if (r->forcing || !r->n_sharp) return 0;
+  if (r->forcing || !r->n_crowds) return 0;
   double room = INFINITY;
   for (uint32_t i = 0; i < n; i++) {
     const double *y = refine_x(r, vertices[i]);

@@ -13,6 +13,7 @@ from exact import cross, dot, minus
 
 PLANE = 60.0
 DIHEDRAL = math.degrees(math.acos(1 / (2 * 2 ** 0.5)))
+LOW = math.degrees(math.asin(1 / (2 * 2 ** 0.5)))  # below, a segment and a facet force ratios over sqrt(2)
 ROOM = 1e-7   # degrees
 FLAT = 1e-4   # degrees: what is straighter than 180 less that is no edge between two facets
 
@@ -50,7 +51,7 @@ class Mesh:
 
 class Angles:
     """Least angles in degrees (180: there is none) and sharp segments, as pairs of points:
-    plane: segment with segment;  facet: segment with facet;  dihedral: facet with facet."""
+    plane: segment with segment;  facet: segment with facet, sharp below LOW;  dihedral: facet with facet."""
 
     def __init__(self, mesh, n_input):
         self.plane = self.facet = self.dihedral = 180.0
@@ -147,6 +148,8 @@ class Angles:
                     foot = self._foot(v, d, c)
                     if foot and between(d, foot) < PLANE - ROOM and self._inside(v, d, foot, cells[v]):
                         self.facet = min(self.facet, between(d, foot))
+                        if between(d, foot) < LOW - ROOM:
+                            self._blame((min(v, p), max(v, p)), between(d, foot))
 
     def _spread(self, n_input):
         """A segment is sharp as a whole: from subsegment to subsegment across its Steiner points."""

@@ -104,6 +104,45 @@ static void wedges_end(void **state) {
   }
 }
 
+/* A segment leaves a facet at 8.5 degrees, from a vertex amid it. Tetrahedra over the bound are forced there at any size:
+ * circumcentres had the segment cut, and its points the facet, down to the floor, and what existing vertices forced was
+ * rejected there as well. */
+static void low_segments_end(void **state) {
+  (void)state;
+  static const uint32_t segment[2] = {8, 9}, facet_start[7] = {0, 1, 2, 3, 4, 5, 7};
+  static const double bounds[] = {1.4143, 2};
+  for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
+    tet_ctx *ctx;
+    solid s;
+    tet_build_result built;
+    tet_refine_result r;
+    tet_refine_options o;
+    tet_refine_options_default(&o);
+    o.radius_edge = bounds[i];
+    solid_regular(&s, 4, 1, unturned);
+    const double ends[2][3] = {{0.05, 0.1, 1}, {0.55, 0.1, 1 - 0.075}};
+    memcpy(s.points[8], ends, sizeof ends);
+    s.polygon_vertices[s.polygon_start[6]] = 8;
+    s.polygon_start[7] = s.polygon_start[6] + 1;
+    s.pls.n_points = 10;
+    s.pls.n_polygons = 7;
+    s.pls.facet_start = facet_start;
+    s.pls.n_segments = 1;
+    s.pls.segments = segment;
+    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
+    assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
+    assert_null(pieces_fault(&built.pieces));
+    assert_int_equal(r.n_sharp_segments, 1);
+    assert_true(r.gabriel && r.constrained_delaunay);
+    assert_true(built.pieces.n_points < 400);
+    assert_true(r.n_exceptions > 0 && r.n_exceptions < 40);
+    assert_int_equal(r.trace.traced, r.n_exceptions);
+    tet_refine_result_free(ctx, &r);
+    tet_build_result_free(ctx, &built);
+    tet_ctx_free(ctx);
+  }
+}
+
 /* The hull of points on the moment curve: needles all along nearly parallel segments. A circumcentre's cavity has most
  * of the mesh there, and what it encroaches upon is protected: each was searched for to the end, in vain, so that 25 points
  * took most of a minute, and 100 no end that was waited for. */
@@ -294,6 +333,7 @@ static void nonsense_is_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(box_by_volume), cmocka_unit_test(input_keeps_its_bits), cmocka_unit_test(wedges_end),
+      cmocka_unit_test(low_segments_end),
       cmocka_unit_test(wide_cavities_are_not_searched_in_vain_for_long),
       cmocka_unit_test(segments_are_not_cut_for_centres_far_beyond),
       cmocka_unit_test(creases_leave_nothing_flat),
