@@ -103,6 +103,7 @@ static tet_status mend_by_point(refiner *r, uint32_t t) {
   if (!status && now) status = refine_insert(r, &ok);
   if (status || ok) {
     r->result.volume_points += (uint64_t)ok;
+    for (uint32_t k = 0; ok && k < r->cavity.n_made; k++) refine_note_change(r, r->mesh.cavity[k]);
     return status;
   }
   refine_cavity_clear(r);
@@ -112,6 +113,7 @@ static tet_status mend_by_point(refiner *r, uint32_t t) {
 
 /* Removes a corner of t, or inserts a point near it. */
 static tet_status mend(refiner *r, uint32_t t) {
+  static const uint64_t price = 4; /* of a tetrahedron searched, in others: here it is measured as well */
   for (int i = 0; i < 4; i++) {
     uint32_t p = r->mesh.v[4 * (size_t)t + i];
     int done = 0;
@@ -120,7 +122,7 @@ static tet_status mend(refiner *r, uint32_t t) {
   }
   uint64_t before = r->searched, points = r->points.n;
   tet_status status = refine_is_spent(r) ? TET_OK : mend_by_point(r, t);
-  if (points == r->points.n) r->in_vain += r->searched - before;
+  if (points == r->points.n) r->in_vain += price * (r->searched - before);
   return status;
 }
 
@@ -134,6 +136,9 @@ tet_status refine_mend(refiner *r) {
   r->strict = 1; /* no rule comes after that would heal a face */
   r->in_vain = 0; /* a budget of its own */
   r->watch_slivers = r->o.min_dihedral > 0;
+  r->n_stays = r->points.n;
+  r->stays = tet_calloc(r->ctx, r->n_stays, 1);
+  if (!status && !r->stays) status = TET_E_MEMORY;
   while (!status && refine_next_tet(r, &t, &shape, &sliver)) continue; /* all are queued anew, once each */
   for (t = 0; t < r->mesh.n_slots && !status; t++) {
     if (refine_may_be_bad(r, t, unwatched)) status = refine_queue_tet(r, t);
@@ -143,6 +148,9 @@ tet_status refine_mend(refiner *r) {
     status = mend(r, t);
     if (!status) status = tet_poll(r->ctx);
   }
+  tet_free(r->ctx, r->stays);
+  r->stays = NULL;
+  r->n_stays = 0;
   if (!status && r->result.n_not_delaunay) status = refine_check_delaunay(r);
   return status;
 }

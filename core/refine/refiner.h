@@ -239,6 +239,8 @@ typedef struct refiner {
   double sliver_sine2; /* squared sine of the bound */
   uint64_t last_point; /* vertices at which slivers are given up */
   refine_buckets bad;
+  uint8_t *stays;     /* [n_stays] while the rest is mended: 1: not removed, and nothing beside it has changed since */
+  uint32_t n_stays;
   uint32_t *some_tet; /* [vertex] that has it, while points are removed; else NULL */
   double *max_volume; /* [region] */
   uint32_t *round_start; /* [KEYS] with TET_INSERT_RELATIVELY_SHORT: vertices there were when each round began */
@@ -429,6 +431,7 @@ typedef struct refine_faults {
 } refine_faults;
 void refine_count_faults(const refiner *r, const uint32_t v[4], uint32_t region, refine_faults *sum);
 tet_status refine_mend(refiner *r);
+void refine_note_change(refiner *r, uint32_t t);
 tet_status refine_remove(refiner *r, uint32_t p, uint32_t tet, int *ret_done);
 tet_status refine_remove_points(refiner *r);
 

@@ -458,6 +458,15 @@ static void join_row(refiner *r, const tet_hole *e, size_t k, const uint32_t *ma
   }
 }
 
+/* Tetrahedron t is new: what could not be removed may be now, of its corners and what is next to it. */
+void refine_note_change(refiner *r, uint32_t t) {
+  for (size_t h = 4 * (size_t)t; h < 4 * (size_t)t + 4 && r->stays; h++) {
+    uint32_t beyond = r->mesh.adj[h], v[2] = {r->mesh.v[h], beyond == TET_NONE ? TET_NONE : r->mesh.v[beyond]};
+    for (int i = 0; i < 2; i++)
+      if (v[i] < r->n_stays) r->stays[v[i]] = 0;
+  }
+}
+
 /* The rows take the place of the star. */
 static tet_status replace(refiner *r, removal *g, const tet_hole *e) {
   uint32_t made[2 * MOST_TETS];
@@ -489,18 +498,21 @@ static tet_status replace(refiner *r, removal *g, const tet_hole *e) {
   for (uint32_t k = 0; k < g->n_subs; k++) refine_free_sub(r, g->sub[k]);
   for (size_t k = 0; k < e->n_row && !status; k++) {
     status = refine_look_at(r, made[k]);
+    refine_note_change(r, made[k]);
     for (int j = 0; j < 4 && r->some_tet; j++) r->some_tet[e->row[k].v[j]] = made[k];
   }
   return status;
 }
 
 /* Removes Steiner point p, of tetrahedron tet, if fewer tetrahedra are over a bound then, or as many, and fewer in
- * all. *ret_done = 0, nothing changed: it stays. */
+ * all. *ret_done = 0, nothing changed: it stays, and is not tried again where `stays` says so. */
 tet_status refine_remove(refiner *r, uint32_t p, uint32_t tet, int *ret_done) {
   removal g;
   tet_hole *e;
   int ok = 0;
   *ret_done = 0;
+  if (p < r->n_stays && r->stays[p]) return TET_OK;
+  if (p < r->n_stays) r->stays[p] = 1;
   g.p = p;
   tet_status status = tet_hole_of(&r->mesh, &e);
   if (!status) status = plan(r, &g, tet, e, &ok);
