@@ -109,7 +109,7 @@ static tet_status converge(refiner *r) {
 /* Slivers go the way of all that is badly shaped (3.4.2). That this ends is seen, not proven: so
  * it has a budget. */
 static tet_status remove_slivers(refiner *r) {
-  enum { LEAST_SLIVER_POINTS = 250 }; /* a few between facets close together may need more each */
+  enum { MORE_SLIVER_POINTS = 250 }; /* some dozens may need more each than thousands do on the average */
   uint64_t n = 0, before = r->points.n;
   tet_status polled = TET_OK;
   for (uint32_t t = 0; t < r->mesh.n_slots && !polled; t++) {
@@ -118,7 +118,7 @@ static tet_status remove_slivers(refiner *r) {
   }
   if (polled) return polled;
   r->result.n_first_slivers = n;
-  r->result.sliver_budget = (uint64_t)fmax(r->o.sliver_points * (double)n, LEAST_SLIVER_POINTS);
+  r->result.sliver_budget = (uint64_t)(r->o.sliver_points * (double)n) + MORE_SLIVER_POINTS;
   r->last_point = before + r->result.sliver_budget;
   r->watch_slivers = 1;
   tet_status status = n ? queue_bad(r) : TET_OK;
