@@ -183,18 +183,25 @@ tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, refine_wante
   return status ? status : grow_or_hit(r, most, end, 1);
 }
 
-static tet_status queue_hit_segs(refiner *r, uint32_t n) {
-  tet_status status = TET_OK;
-  for (unsigned left = r->tet_edges[n] & EDGES; left && !status; left &= left - 1) {
-    uint32_t seg = refine_hit_seg(r, n, __builtin_ctz(left));
-    if (seg != TET_NONE) status = refine_queue_seg(r, seg);
+/* 0 if no other corner of that tetrahedron is in the diametric ball of its edge e: the angle over e is acute where the
+ * squares of the sides are more than that of e; their errors are far below the room. */
+static inline int may_be_over(const refine_shapes *shapes, uint32_t lane, int e) {
+  const double(*length2)[4] = shapes->length2, most = length2[e][lane] * (1 + 1e-12) + TET_QUICK_LEAST;
+  const uint8_t *ends = refine_edge[e], *others = refine_edge[5 - e];
+  for (int i = 0; i < 2; i++) {
+    const uint8_t *to = refine_edge_of[others[i]];
+    if (!(length2[to[ends[0]]][lane] + length2[to[ends[1]]][lane] > most)) return 1;
   }
-  return status;
+  return 0;
 }
 
-/* Queues the subsegments and subfaces at the new tetrahedron n that are encroached. */
-static tet_status look_around(refiner *r, uint32_t n) {
-  tet_status status = queue_hit_segs(r, n);
+/* Queues the subsegments, of the edges `edges`, and subfaces at the new tetrahedron n that are encroached. */
+static tet_status look_around(refiner *r, uint32_t n, unsigned edges) {
+  tet_status status = TET_OK;
+  for (; edges && !status; edges &= edges - 1) {
+    uint32_t seg = refine_hit_seg(r, n, __builtin_ctz(edges));
+    if (seg != TET_NONE) status = refine_queue_seg(r, seg);
+  }
   for (unsigned left = r->mesh.wall[n]; left && !status; left &= left - 1) {
     uint32_t h = 4 * n + (uint32_t)__builtin_ctz(left), s = r->tet_sub[h];
     if (refine_sub_hit_by(r, s, r->mesh.v[h])) status = refine_queue_sub(r, s);
@@ -205,14 +212,22 @@ static tet_status look_around(refiner *r, uint32_t n) {
 /* Queues what the new tetrahedron n leaves to do: itself, and subsegments and
  * subfaces at it. */
 tet_status refine_look_at(refiner *r, uint32_t n) {
-  tet_status status = has_sides(r, n) ? look_around(r, n) : TET_OK;
+  tet_status status = has_sides(r, n) ? look_around(r, n, r->tet_edges[n] & EDGES) : TET_OK;
   return status ? status : refine_queue_tet(r, n);
 }
 
 /* The same for all that the last fill made. */
 tet_status refine_look_at_made(refiner *r) {
   tet_status status = TET_OK;
-  for (uint32_t k = 0; k < r->cavity.n_made && !status; k++)
-    if (has_sides(r, r->mesh.cavity[k])) status = look_around(r, r->mesh.cavity[k]);
+  for (uint32_t k = 0; k < r->cavity.n_made && !status; k++) {
+    uint32_t n = r->mesh.cavity[k];
+    unsigned edges = 0;
+    if (!has_sides(r, n)) continue;
+    for (unsigned left = r->tet_edges[n] & EDGES; left; left &= left - 1) {
+      int e = __builtin_ctz(left);
+      edges |= (unsigned)may_be_over(&r->cavity.shapes[k / 4], k % 4, e) << e;
+    }
+    status = look_around(r, n, edges);
+  }
   return status ? status : refine_queue_made(r);
 }

@@ -138,6 +138,15 @@ static inline uint32_t bucket_of(const refiner *r, uint32_t t, const refine_shap
   return sine2 < r->sliver_sine2 ? 2 * KEYS + quarter_of(sine2) : BUCKETS;
 }
 
+enum { TAG_BITS = 2, SLOT = UINT32_MAX >> TAG_BITS };
+
+/* Handles of four faces leave two bits of a slot's number: some hash of the vertices, as most entries that are
+ * popped are of a tetrahedron that is gone, and measuring what has its slot now costs more. */
+static inline uint32_t entry_of(const refiner *r, uint32_t t) {
+  const uint32_t *v = r->mesh.v + 4 * (size_t)t;
+  return t | ((v[0] ^ v[1] ^ v[2] ^ v[3]) * UINT32_C(0x9e3779b9) & ~(uint32_t)SLOT);
+}
+
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
   refine_buckets *q = &r->bad;
   uint32_t c = q->used[b / 64] >> b % 64 & 1 ? q->head[b] : TET_NONE;
@@ -156,17 +165,17 @@ static tet_status push(refiner *r, uint32_t b, uint32_t t) {
     q->used[b / 64] |= (uint64_t)1 << b % 64;
     if (b / 64 < q->low) q->low = b / 64;
   }
-  q->chunk[c].tet[q->chunk[c].n++] = t;
+  q->chunk[c].entry[q->chunk[c].n++] = entry_of(r, t);
   return TET_OK;
 }
 
-/* The last of the least bucket; 0: none. */
-static int pop(refine_buckets *q, uint32_t *ret_bucket, uint32_t *ret_tet) {
+/* The last entry of the least bucket; 0: none. */
+static int pop(refine_buckets *q, uint32_t *ret_bucket, uint32_t *ret_entry) {
   while (q->low < BUCKETS / 64 && !q->used[q->low]) q->low++;
   if (q->low == BUCKETS / 64) return 0;
   uint32_t b = 64 * q->low + (uint32_t)__builtin_ctzll(q->used[q->low]), c = q->head[b];
   *ret_bucket = b;
-  *ret_tet = q->chunk[c].tet[--q->chunk[c].n];
+  *ret_entry = q->chunk[c].entry[--q->chunk[c].n];
   if (q->chunk[c].n) return 1;
   q->head[b] = q->chunk[c].next;
   if (q->head[b] == TET_NONE) q->used[b / 64] &= ~((uint64_t)1 << b % 64);
@@ -210,12 +219,13 @@ tet_status refine_queue_made(refiner *r) {
   return status;
 }
 
-/* Entries are numbers alone: one whose slot has another tetrahedron by now tells by that
- * not being queued, or not from this bucket. */
+/* An entry whose slot has another tetrahedron by now tells by that not being queued, or not from this
+ * bucket. */
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver) {
-  uint32_t b, t;
-  while (pop(&r->bad, &b, &t)) {
-    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED)) continue;
+  uint32_t b, entry;
+  while (pop(&r->bad, &b, &entry)) {
+    uint32_t t = entry & SLOT;
+    if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || entry_of(r, t) != entry) continue;
     refine_measure(r, t, ret_shape);
     if (bucket_of(r, t, ret_shape) != b) continue;
     if (r->round_start && b == r->n_rounds) r->round_start[r->n_rounds++] = r->points.n;

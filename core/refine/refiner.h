@@ -88,9 +88,9 @@ typedef struct refine_patch {
 /* Keys are powers of two and 1 << FINE equal parts of each; QUARTER of these are a quarter. */
 enum { CHUNK = 30, FINE = 5, QUARTER = 1 << (FINE - 2), KEYS = 1 << (11 + FINE), BUCKETS = 3 * KEYS };
 
-/* Some of a bucket's tetrahedra. */
+/* Some of a bucket's tetrahedra: their slots, and some bits. */
 typedef struct refine_chunk {
-  uint32_t next, n, tet[CHUNK];
+  uint32_t next, n, entry[CHUNK];
 } refine_chunk;
 
 /* Tetrahedra over a bound by buckets of about equal keys, least first; in a bucket the last
@@ -135,6 +135,7 @@ typedef struct refine_spoke {
 /* Four tetrahedra between the new point and the border, lane by lane as refine_shape, in doubles. */
 typedef struct refine_shapes {
   double to_centre[3][4], volume6[4], shortest2[4];
+  double length2[6][4]; /* squared, of edges as refine_edge has them */
   uint8_t is_sure;     /* bit i: lane i is to be taken for true; else it has to be measured again */
   uint8_t is_over;     /* bit i: lane i is over the radius-edge bound */
   uint8_t is_positive; /* bit i: lane i is positive for certain; else that is not known */

@@ -3,6 +3,7 @@
  * time: before, to know which faces see the point for certain; after, to queue those over a bound. Lane
  * by lane the values are those of refine_measure_roughly, to the last bit. */
 #include "base/processor.h"
+#include "base/vector.h"
 #include "exact/quick.h"
 #include "exact/shape.h"
 #include "refine/refiner.h"
@@ -17,6 +18,8 @@ static void measure_one_by_one(const refiner *r, const tet_border *const b[4], r
     const uint32_t *v = b[lane]->v;
     ret->is_sure |= (uint8_t)(refine_measure_roughly(r, v, &s) << lane);
     for (int i = 0; i < 3; i++) ret->to_centre[i][lane] = s.to_centre[i];
+    for (int e = 0; e < 6; e++)
+      ret->length2[e][lane] = tet_distance2(refine_x(r, v[refine_edge[e][0]]), refine_x(r, v[refine_edge[e][1]]));
     ret->volume6[lane] = s.volume6;
     ret->shortest2[lane] = s.shortest2;
     ret->is_over |= (uint8_t)(refine_over_ratio(r, &s) << lane);
@@ -66,11 +69,12 @@ TET_AVX2 static void measure_avx2(const refiner *r, const tet_border *const b[4]
   vectors o = corners(x, b, 0), A = minus(corners(x, b, 1), o), B = minus(corners(x, b, 2), o);
   vectors C = minus(corners(x, b, 3), o), bc = cross(B, C), ca = cross(C, A), ab = cross(A, B), e[3];
   __m256d aa = dot(A, A), bb = dot(B, B), cc = dot(C, C);
-  __m256d least = _mm256_min_pd(_mm256_min_pd(aa, bb), cc), shortest = least;
   e[0] = minus(A, B);
-  e[1] = minus(B, C);
-  e[2] = minus(C, A);
-  for (int i = 0; i < 3; i++) shortest = _mm256_min_pd(shortest, dot(e[i], e[i]));
+  e[1] = minus(C, A);
+  e[2] = minus(B, C);
+  __m256d least = _mm256_min_pd(_mm256_min_pd(aa, bb), cc), shortest = least, length2[6] = {aa, bb, cc};
+  for (int i = 0; i < 3; i++) shortest = _mm256_min_pd(shortest, length2[3 + i] = dot(e[i], e[i]));
+  for (int i = 0; i < 6; i++) _mm256_storeu_pd(ret->length2[i], length2[i]);
   __m256d volume6 = dot(A, bc);
   vectors centre;
   for (int i = 0; i < 3; i++) {
