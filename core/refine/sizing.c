@@ -110,6 +110,9 @@ static double element_distance2(const refiner *r, uint64_t id, uint32_t v, doubl
     double d = tet_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
     return d < least && !refine_on_segment(r, v, r->seg_of[id - r->n_subs]) ? d : least;
   }
+  double box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  for (int j = 0; j < 3; j++) widen(box, refine_x(r, w[j]), refine_x(r, w[j]));
+  if (!(box_distance2(box, x) < least)) return least;
   if (v != w[0] && v != w[1] && v != w[2]) {
     double d = tet_triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
     if (!(d < least)) return least;
