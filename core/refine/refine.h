@@ -44,7 +44,8 @@ typedef struct tet_refine_result {
   tet_rejections rejected;
   uint64_t segment_points, facet_points, volume_points; /* inserted, and not removed again */
   uint64_t repair_flips;         /* that restored Delaunay after rounding */
-  uint32_t n_sharp_segments;     /* below 60 degrees to a segment, 69.3 between facets, or what the bound takes on a facet */
+  uint32_t n_sharp_segments;     /* below 60 degrees to a segment, 69.3 between facets, or on a facet below what
+                                    the bound takes */
   uint64_t n_first_slivers;      /* before their removal */
   uint64_t removed_points;       /* inserted and removed again */
   uint64_t sliver_points;        /* vertices that their removal inserted */

@@ -95,8 +95,8 @@ static double sine_over(const refiner *r, uint32_t s, int j, uint32_t w) {
   return tet_dot(side, n) >= 0 ? fabs(up) / sqrt(tet_square(d)) : 1;
 }
 
-/* 1 if v has protecting balls anyway, as it is where facets meet at a sharp segment: most of what meets low there is part
- * of what is sharp. */
+/* 1 if v has protecting balls anyway, as it is where facets meet at a sharp segment: most of what meets low
+ * there is part of what is sharp. */
 static int is_seen_to(const refiner *r, uint32_t v) {
   return r->segment_end[v] & END_SHARP && r->vertex_facet_start[v + 1] - r->vertex_facet_start[v] > 1;
 }

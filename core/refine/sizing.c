@@ -222,7 +222,7 @@ int refine_is_thin(const refiner *r, uint32_t p) {
   return r->out->origin[p] == TET_ORIGIN_FACET ? r->facet_thin[carrier] : segment_is_thin(r, carrier);
 }
 
-/* 1 if v is on a segment that is sharp to another or between facets: only there is H_s of (4.3), and are balls, not 0. */
+/* 1 if v is on a segment that is sharp to another or between facets: only there is H_s of (4.3) not 0. */
 static int on_sharp(const refiner *r, uint32_t v) {
   if (r->out->origin[v] == TET_ORIGIN_SEGMENT)
     return r->segment_sharp[r->out->carrier[v]] & (SHARP_PLANE | SHARP_DIHEDRAL);

@@ -9,7 +9,8 @@ their input angles promise (thesis 3.3.3, 3.4.1, 4.2.2).
 all large: no dihedral, plane or segment-facet angle is sharp: boundary conforming Delaunay,
     radius-edge ratios up to 1.4143 without exception; and with default bounds no sliver.
 plane: some plane angle is: boundary conforming Delaunay; what is over 1.4143 is listed, its
-    circumcentre within (3 + sqrt 2) / 2 |S| of the midpoint of a sharp subsegment S (3.4.1).
+    circumcentre within (3 + sqrt 2) / 2 |S| of the midpoint of a sharp subsegment S (3.4.1; angles.py says
+    which are).
 dihedral: some dihedral angle is: constrained Delaunay; what is over 2.0 is listed.
 In every class slivers that are left are listed, each traced to a sharp segment (TET_TRACE_REACH)
 unless the budget of their removal or of thin facets was spent, and without sharp segments no

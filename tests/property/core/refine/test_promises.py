@@ -34,7 +34,8 @@ NARROW = {"boxes-nested", "boxes-touching", "interfaces-far", "interfaces-flatte
 # nearest to another sharp segment than to the one that its candidates lead to; segments that stand so low on a facet that
 # the edge right below is no help, or that nothing is; some dozens of slivers that took six points each.
 AGAIN = {"needles": (15, 1012, 1013), "spheres": (1000, 1024), "boxes-touching": (1032,), "voxels": (960080,),
-         "loose": (1035, 1054, 1065, 910022, 930212, 930242), "interfaces-sheared": (1012,), "interfaces-far": (1007, 1008, 1011, 1012, 1031)}
+         "loose": (1035, 1054, 1065, 910022, 930212, 930242), "interfaces-sheared": (1012,),
+         "interfaces-far": (1007, 1008, 1011, 1012, 1031)}
 
 # What does not hold yet, and why; one that holds is an error, so that the list stays true.
 NOT_YET = {}

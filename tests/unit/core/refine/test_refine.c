@@ -104,9 +104,9 @@ static void wedges_end(void **state) {
   }
 }
 
-/* A segment leaves a facet at 8.5 degrees, from a vertex amid it. Tetrahedra over the bound are forced there at any size:
- * circumcentres had the segment cut, and its points the facet, down to the floor, and what existing vertices forced was
- * rejected there as well. */
+/* A segment leaves a facet at 8.5 degrees, from a vertex amid it. Tetrahedra over the bound are forced there at
+ * any size: circumcentres had the segment cut, and its points the facet, down to the floor, and what existing
+ * vertices forced was rejected there as well. */
 static void low_segments_end(void **state) {
   (void)state;
   static const uint32_t segment[2] = {8, 9}, facet_start[7] = {0, 1, 2, 3, 4, 5, 7};
