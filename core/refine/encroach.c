@@ -184,9 +184,9 @@ tet_status refine_grow_or_hit(refiner *r, uint32_t p, uint32_t tet, refine_wante
 }
 
 /* 0 if no other corner of that tetrahedron is in the diametric ball of its edge e: the angle over e is acute where the
- * squares of the sides are more than that of e; their errors are far below the room. */
+ * squares of the sides are more than that of e. */
 static inline int may_be_over(const refine_shapes *shapes, uint32_t lane, int e) {
-  const double(*length2)[4] = shapes->length2, most = length2[e][lane] * (1 + 1e-12) + TET_QUICK_LEAST;
+  const double(*length2)[4] = shapes->length2, most = length2[e][lane] + shapes->room[lane];
   const uint8_t *ends = refine_edge[e], *others = refine_edge[5 - e];
   for (int i = 0; i < 2; i++) {
     const uint8_t *to = refine_edge_of[others[i]];

@@ -103,6 +103,7 @@ static tet_status mend_by_point(refiner *r, uint32_t t) {
   if (!status && now) status = refine_insert(r, &ok);
   if (status || ok) {
     r->result.volume_points += (uint64_t)ok;
+    /* reshaped by nothing, it is as it was filled */
     for (uint32_t k = 0; ok && k < r->cavity.n_made; k++) refine_note_change(r, r->mesh.cavity[k]);
     return status;
   }

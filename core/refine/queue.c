@@ -219,8 +219,8 @@ tet_status refine_queue_made(refiner *r) {
   return status;
 }
 
-/* An entry whose slot has another tetrahedron by now tells by that not being queued, or not from this
- * bucket. */
+/* An entry whose slot has another tetrahedron by now tells by its bits, mostly, and by that not being queued, or not
+ * from this bucket. */
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver) {
   uint32_t b, entry;
   while (pop(&r->bad, &b, &entry)) {

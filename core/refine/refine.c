@@ -118,7 +118,7 @@ static tet_status remove_slivers(refiner *r) {
   }
   if (polled) return polled;
   r->result.n_first_slivers = n;
-  r->result.sliver_budget = (uint64_t)(r->o.sliver_points * (double)n) + MORE_SLIVER_POINTS;
+  r->result.sliver_budget = (uint64_t)fmax(r->o.sliver_points * (double)n, 0) + MORE_SLIVER_POINTS;
   r->last_point = before + r->result.sliver_budget;
   r->watch_slivers = 1;
   tet_status status = n ? queue_bad(r) : TET_OK;

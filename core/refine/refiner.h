@@ -135,7 +135,7 @@ typedef struct refine_spoke {
 /* Four tetrahedra between the new point and the border, lane by lane as refine_shape, in doubles. */
 typedef struct refine_shapes {
   double to_centre[3][4], volume6[4], shortest2[4];
-  double length2[6][4]; /* squared, of edges as refine_edge has them */
+  double length2[6][4], room[4]; /* squared, of edges as refine_edge has them, and more than sums of these are off by */
   uint8_t is_sure;     /* bit i: lane i is to be taken for true; else it has to be measured again */
   uint8_t is_over;     /* bit i: lane i is over the radius-edge bound */
   uint8_t is_positive; /* bit i: lane i is positive for certain; else that is not known */
@@ -209,10 +209,11 @@ typedef struct refiner {
   uint8_t *facet_thin;           /* [facet] 1: at a dihedral angle of so small a sine as `thin` */
   uint64_t thin_points;          /* that may still be inserted there */
   uint64_t searched, in_vain;    /* tetrahedra of all cavities; of those searched for what was not split */
-  uint32_t n_sharp;              /* segments */
-  uint32_t n_crowds, n_wedges;   /* of these such as others, or facets, crowd around; at sharp dihedral angles */
+  uint32_t n_sharp;              /* sharp segments; of these: */
+  uint32_t n_crowds, n_wedges;   /* sharp to others or between facets; between facets */
   uint8_t *segment_end;          /* [first vertices] bits: END_ACUTE, END_SHARP */
-  double *low;                   /* [first vertices] length of the shortest subsegment there that stands low; 0: none */
+  double *low;                   /* [first vertices] 0: no segment stands low there; else the least length that the
+                                    subsegments there have had of segments that do somewhere */
   uint32_t *vertex_facet_start, *vertex_facet;   /* [first vertices] facets at each */
   uint32_t *segment_facet_start, *segment_facet; /* [segment] facets at each */
   uint32_t *facet_vertex_start, *facet_vertex;   /* [facet] first vertices on each */

@@ -8,6 +8,10 @@
 #include "exact/shape.h"
 #include "refine/refiner.h"
 
+/* Of the longest edge's square: differences of coordinates are off by 2^-53 of themselves, and differences of these, which
+ * are the edges away from the first corner, by that of these: a square by an eighth of the room. Three are compared. */
+#define ROOM 1e-14
+
 /* Measures the tetrahedra b[0] to b[3] are to become. */
 typedef void measure_four(const refiner *r, const tet_border *const b[4], refine_shapes *ret);
 
@@ -18,8 +22,13 @@ static void measure_one_by_one(const refiner *r, const tet_border *const b[4], r
     const uint32_t *v = b[lane]->v;
     ret->is_sure |= (uint8_t)(refine_measure_roughly(r, v, &s) << lane);
     for (int i = 0; i < 3; i++) ret->to_centre[i][lane] = s.to_centre[i];
-    for (int e = 0; e < 6; e++)
-      ret->length2[e][lane] = tet_distance2(refine_x(r, v[refine_edge[e][0]]), refine_x(r, v[refine_edge[e][1]]));
+    double longest2 = 0;
+    for (int e = 0; e < 6; e++) {
+      double length2 = tet_distance2(refine_x(r, v[refine_edge[e][0]]), refine_x(r, v[refine_edge[e][1]]));
+      ret->length2[e][lane] = length2;
+      if (!(length2 <= longest2)) longest2 = length2;
+    }
+    ret->room[lane] = ROOM * longest2 + TET_QUICK_LEAST;
     ret->volume6[lane] = s.volume6;
     ret->shortest2[lane] = s.shortest2;
     ret->is_over |= (uint8_t)(refine_over_ratio(r, &s) << lane);
@@ -75,6 +84,9 @@ TET_AVX2 static void measure_avx2(const refiner *r, const tet_border *const b[4]
   __m256d least = _mm256_min_pd(_mm256_min_pd(aa, bb), cc), shortest = least, length2[6] = {aa, bb, cc};
   for (int i = 0; i < 3; i++) shortest = _mm256_min_pd(shortest, length2[3 + i] = dot(e[i], e[i]));
   for (int i = 0; i < 6; i++) _mm256_storeu_pd(ret->length2[i], length2[i]);
+  __m256d longest = _mm256_max_pd(_mm256_max_pd(length2[3], length2[4]), _mm256_max_pd(length2[5], _mm256_max_pd(aa, bb)));
+  longest = _mm256_mul_pd(_mm256_max_pd(longest, cc), _mm256_set1_pd(ROOM));
+  _mm256_storeu_pd(ret->room, _mm256_add_pd(longest, _mm256_set1_pd(TET_QUICK_LEAST)));
   __m256d volume6 = dot(A, bc);
   vectors centre;
   for (int i = 0; i < 3; i++) {

@@ -95,7 +95,7 @@ static double sine_over(const refiner *r, uint32_t s, int j, uint32_t w) {
   return tet_dot(side, n) >= 0 ? fabs(up) / sqrt(tet_square(d)) : 1;
 }
 
-/* 1 if v has protecting balls anyway, as it is where facets meet at a sharp segment: most of what meets low
+/* 1 if v has a protecting ball anyway, being on a sharp segment, and on more than one facet: most of what meets low
  * there is part of what is sharp. */
 static int is_seen_to(const refiner *r, uint32_t v) {
   return r->segment_end[v] & END_SHARP && r->vertex_facet_start[v + 1] - r->vertex_facet_start[v] > 1;
@@ -108,6 +108,7 @@ static tet_status facet_angles(refiner *r, const stars *ends) {
   tet_status status = TET_OK;
   for (uint32_t k = 0; k < 3 * r->n_subs && !status; k++) {
     uint32_t s = k / 3, v = r->sub_v[k];
+    if ((k & 1023) == 0) status = tet_poll(r->ctx);
     if (r->sub_v[3 * (size_t)s] == TET_NONE || is_seen_to(r, v)) continue;
     for (uint32_t i = ends->start[v]; i < ends->start[v + 1]; i++) {
       const tet_segment *segment = &r->out->segment[ends->at[i]];
@@ -117,7 +118,6 @@ static tet_status facet_angles(refiner *r, const stars *ends) {
       note_angle(r, ends->at[i], SHARP_FACET, sine);
       r->low[v] = INFINITY;
     }
-    if ((k & 1023) == 0) status = tet_poll(r->ctx);
   }
   for (uint32_t e = 0; e < r->n_segs; e++) refine_note_low(r, e);
   return status;

@@ -229,10 +229,11 @@ static int on_sharp(const refiner *r, uint32_t v) {
   return v < r->n_first && r->segment_end[v] & END_SHARP;
 }
 
-/* The radius of the ball about v that no circumcentre's sake enters. Where a segment stands low on a facet, that is the
- * length of its first subsegment: neither then encroaches upon the other but by what existing vertices force. */
+/* The radius of the ball about v in which no segment or facet is split for a circumcentre's sake. Where a segment stands
+ * low on a facet, that is the length of its first subsegment, at most H_1: neither then encroaches upon the other but by
+ * what existing vertices force. */
 static double protects(const refiner *r, uint32_t v, double alpha) {
-  if (alpha > 0 && v < r->n_first && r->low[v] > 0) return r->low[v];
+  if (alpha > 0 && v < r->n_first && r->low[v] > 0) return fmin(r->low[v], r->size[v]);
   return on_sharp(r, v) ? alpha * r->size[v] : 0;
 }
 
@@ -243,7 +244,7 @@ int refine_needs_sizes(const refiner *r) {
 }
 
 /* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
- * `vertices`, of alpha times their size where these are on sharp segments. What existing vertices force (R1* (2),
+ * `vertices`, of alpha times their size where these are on sharp segments, or as `protects` says. What existing vertices force (R1* (2),
  * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it
  * has no end; elsewhere by the floor. Sheets that all but touch have a budget on top: lfs
  * bounds their points, but by no number that can be waited for. */

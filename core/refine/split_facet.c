@@ -67,7 +67,8 @@ static int opposite(const refiner *r, uint32_t s, double x[3]) {
       double share = sqrt(tet_square(d) / tet_square(foot));
       if (!(share < 2)) continue; /* above 60 degrees nothing loops */
       int is_low = 2 * fabs(off) * r->o.radius_edge < more * sqrt(tet_square(d));
-      if (is_low && !r->segment_sharp[r->out->carrier[by]] && aside(r, s, end, foot, fabs(off), x)) return 1;
+      int is_sharp = r->low[end] > 0 || r->segment_sharp[r->out->carrier[by]] & (SHARP_PLANE | SHARP_DIHEDRAL);
+      if (is_low && !is_sharp && aside(r, s, end, foot, fabs(off), x)) return 1;
       const uint32_t *v = r->sub_v + 3 * (size_t)s;
       if (v[0] != end && v[1] != end && v[2] != end) continue;
       for (int i = 0; i < 3; i++) x[i] = refine_x(r, end)[i] + share * foot[i];

@@ -92,7 +92,7 @@ tet_status refine_split_seg(refiner *r, uint32_t e, uint32_t by, refine_cause ca
   if (ok) {
     r->result.segment_points++;
     refine_note_low(r, e);
-    refine_note_low(r, r->n_segs - 1);
+    refine_note_low(r, r->n_segs - 1); /* the other half */
     refine_spend(r);
     *ret = OUTCOME_INSERTED;
     return TET_OK;

@@ -256,12 +256,11 @@ void refine_release(refiner *r) {
   void *all[] = {r->size, r->sharp_size, r->stamp, r->tet_sub, r->tet_region, r->tet_edges, r->sub_v, r->sub_side,
                  r->sub_seg, r->ring, r->sub_patch, r->sub_mark, r->patch, r->seg_v, r->seg_of, r->seg_sub,
                  r->seg_tet, r->seg_waiting, r->seg_table, r->segment_sharp, r->segment_sine, r->facet_thin, r->segment_end,
-                 r->low,
                  r->vertex_facet_start, r->vertex_facet, r->segment_facet_start, r->segment_facet, r->facet_vertex_start,
                  r->facet_vertex, r->facet_plane, c->removed.at, c->subs.at, c->rim.at,
                  c->rim_new.at, c->vertices.at, c->carry, c->spoke, c->shapes, r->hit_segs.at, r->hit_subs.at, r->star.at,
                  r->suspects.at, r->stuck.at, r->seg_queue, r->sub_queue, r->bad.head, r->bad.used, r->bad.chunk, r->max_volume,
-                 r->sharp_at, r->round_start};
+                 r->low, r->sharp_at, r->round_start};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) tet_free(r->ctx, all[i]);
   tet_complex_free(&r->mesh);
 }
