@@ -243,11 +243,10 @@ int refine_needs_sizes(const refiner *r) {
   return !r->exact || r->n_sharp || r->picking || !tet_refine_is_proven(r->o.radius_edge);
 }
 
-/* The accepting rule (4.1.4): 1 if p is outside the protecting balls of
- * `vertices`, of alpha times their size where these are on sharp segments, or as `protects` says. What existing vertices force (R1* (2),
- * 3.4.1) is protected from near sharp dihedral angles alone, but more there, for it
- * has no end; elsewhere by the floor. Sheets that all but touch have a budget on top: lfs
- * bounds their points, but by no number that can be waited for. */
+/* The accepting rule (4.1.4): 1 if p is outside the protecting balls of `vertices`, of alpha times their size where
+ * these are on sharp segments, or as `protects` says. What existing vertices force (R1* (2), 3.4.1) is protected from near
+ * sharp dihedral angles alone, but more there, for it has no end; elsewhere by the floor. Sheets that all but touch have
+ * a budget on top: lfs bounds their points, but by no number that can be waited for. */
 int refine_accepts(refiner *r, uint32_t p, const uint32_t *vertices, uint32_t n, double alpha, refine_cause cause) {
   const double *x = refine_x(r, p);
   if (r->forcing) return 1;
