@@ -13,14 +13,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { LEAF = 4 };
-
 /* Boxes in an implicit binary tree over elements in Hilbert order: node k has
- * children 2k+1 and 2k+2; leaf i holds elements LEAF*i ... */
+ * children 2k+1 and 2k+2; leaf i holds element i, whose distance costs many of a box's. */
 typedef struct box_tree {
   tet_keyed *element; /* value: subface, or n_subs + subsegment */
   double (*box)[6];
-  uint32_t n, n_leaves, first_leaf;
+  size_t n, first_leaf;
 } box_tree;
 
 /* 0: a subsegment of some facet. */
@@ -67,27 +65,27 @@ static void list_elements(const refiner *r, box_tree *tree) {
 }
 
 static tet_status build_tree(refiner *r, box_tree *tree) {
-  uint32_t n = 0, all = r->n_subs + r->n_segs, leaves = 1;
-  for (uint32_t i = 0; i < all; i++) n += is_element(r, i);
-  while (leaves * LEAF < n) leaves *= 2;
+  uint32_t all = r->n_subs + r->n_segs;
+  size_t n = 0, leaves = 1;
+  for (uint32_t i = 0; i < all; i++) n += (size_t)is_element(r, i);
+  while (leaves < n) leaves *= 2;
   tree->n = n;
-  tree->n_leaves = leaves;
   tree->first_leaf = leaves - 1;
   tree->element = tet_alloc(r->ctx, n, sizeof *tree->element);
-  tree->box = tet_alloc(r->ctx, 2 * (size_t)leaves, sizeof *tree->box);
+  tree->box = tet_alloc(r->ctx, 2 * leaves, sizeof *tree->box);
   if (!tree->element || !tree->box) return TET_E_MEMORY;
   list_elements(r, tree);
   tet_sort_keyed(tree->element, n);
-  for (uint32_t k = 0; k < 2 * leaves; k++)
+  for (size_t k = 0; k < 2 * leaves; k++)
     for (int i = 0; i < 3; i++) tree->box[k][i] = INFINITY, tree->box[k][3 + i] = -INFINITY;
-  for (uint32_t i = 0; i < n; i++) {
+  for (size_t i = 0; i < n; i++) {
     uint32_t v[3];
     element_corners(r, tree->element[i].value, v);
     for (int j = 0; j < 3; j++)
-      widen(tree->box[tree->first_leaf + i / LEAF], refine_x(r, v[j]), refine_x(r, v[j]));
+      widen(tree->box[tree->first_leaf + i], refine_x(r, v[j]), refine_x(r, v[j]));
   }
-  for (uint32_t k = tree->first_leaf; k-- > 0;)
-    for (uint32_t c = 2 * k + 1; c <= 2 * k + 2; c++) widen(tree->box[k], tree->box[c], tree->box[c] + 3);
+  for (size_t k = tree->first_leaf; k-- > 0;)
+    for (size_t c = 2 * k + 1; c <= 2 * k + 2; c++) widen(tree->box[k], tree->box[c], tree->box[c] + 3);
   return TET_OK;
 }
 
@@ -110,9 +108,6 @@ static double element_distance2(const refiner *r, uint64_t id, uint32_t v, doubl
     double d = tet_edge_distance2(refine_x(r, w[0]), refine_x(r, w[1]), x);
     return d < least && !refine_on_segment(r, v, r->seg_of[id - r->n_subs]) ? d : least;
   }
-  double box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
-  for (int j = 0; j < 3; j++) widen(box, refine_x(r, w[j]), refine_x(r, w[j]));
-  if (!(box_distance2(box, x) < least)) return least;
   if (v != w[0] && v != w[1] && v != w[2]) {
     double d = tet_triangle_distance2(refine_x(r, w[0]), refine_x(r, w[1]), refine_x(r, w[2]), x);
     if (!(d < least)) return least;
@@ -131,7 +126,7 @@ static double element_distance2(const refiner *r, uint64_t id, uint32_t v, doubl
  * does not meet it. */
 static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, double least) {
   struct {
-    uint32_t node;
+    size_t node;
     double distance2;
   } stack[96];
   uint32_t n = 1;
@@ -139,21 +134,20 @@ static double nearest2(const refiner *r, const box_tree *tree, uint32_t v, doubl
   stack[0].node = 0;
   stack[0].distance2 = 0;
   while (n) {
-    uint32_t k = stack[--n].node;
+    size_t k = stack[--n].node;
     if (!(stack[n].distance2 < least)) continue;
     if (k < tree->first_leaf) {
       double left = box_distance2(tree->box[2 * k + 1], x), right = box_distance2(tree->box[2 * k + 2], x);
       for (int turn = 0; turn < 2; turn++) { /* the nearer one comes off first */
         int is_right = (left < right) ^ turn;
-        stack[n].node = 2 * k + 1 + (uint32_t)is_right;
+        stack[n].node = 2 * k + 1 + (size_t)is_right;
         stack[n].distance2 = is_right ? right : left;
         n += stack[n].distance2 < least;
       }
       continue;
     }
-    uint32_t from = (k - tree->first_leaf) * LEAF;
-    for (uint32_t i = from; i < from + LEAF && i < tree->n; i++)
-      least = element_distance2(r, tree->element[i].value, v, least);
+    size_t i = k - tree->first_leaf;
+    if (i < tree->n) least = element_distance2(r, tree->element[i].value, v, least);
   }
   return least;
 }
