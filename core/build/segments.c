@@ -305,8 +305,8 @@ static double split_place(const recovery *r, uint32_t e, uint32_t p) {
 /* What is to be noted of a subsegment that is an edge or not, if that is known. */
 static uint8_t state_of(int known, int is_edge) { return known ? is_edge ? PRESENT : ABSENT : 0; }
 
-/* Looks for subsegments among the edges of the cavity just filled, if known, by its rim: those that are not on its border are no edges
- * any more. */
+/* Looks for subsegments among the edges of the cavity just filled, by its rim if that is known: those that are not on
+ * its border are no edges any more. */
 static tet_status requeue_cavity(recovery *r, int known) {
   const tet_complex *c = &r->st->complex;
   tet_status status = TET_OK;

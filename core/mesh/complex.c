@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-#define MOST_TETRAHEDRA (UINT32_MAX >> 2)
-
 void tet_complex_init(tet_complex *c, tet_ctx *ctx, const tet_points *points) {
   memset(c, 0, sizeof *c);
   c->ctx = ctx;
@@ -48,7 +46,7 @@ tet_status tet_complex_reserve_places(tet_complex *c, uint32_t n) {
 }
 
 tet_status tet_complex_reserve(tet_complex *c, uint64_t n) {
-  if (n > MOST_TETRAHEDRA) return tet_fail(c->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
+  if (n > TET_MOST_TETRAHEDRA) return tet_fail(c->ctx, TET_E_TOO_LARGE, "more than 2^30 - 1 tetrahedra");
   if (n <= c->cap_slots) return TET_OK;
   tet_status status = tet_grow(c->ctx, &c->v, &c->cap_v, 4 * (size_t)n, sizeof *c->v);
   if (status == TET_OK) status = tet_grow(c->ctx, &c->adj, &c->cap_adj, 4 * (size_t)n, sizeof *c->adj);
@@ -57,7 +55,7 @@ tet_status tet_complex_reserve(tet_complex *c, uint64_t n) {
   size_t least = c->cap_v / 4 < c->cap_flag ? c->cap_v / 4 : c->cap_flag;
   if (c->is_walled && c->cap_wall < least) least = c->cap_wall;
   if (c->cap_adj / 4 < least) least = c->cap_adj / 4;
-  if (status == TET_OK) c->cap_slots = least < MOST_TETRAHEDRA ? least : MOST_TETRAHEDRA;
+  if (status == TET_OK) c->cap_slots = least < TET_MOST_TETRAHEDRA ? least : TET_MOST_TETRAHEDRA;
   return status;
 }
 

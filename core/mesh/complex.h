@@ -25,6 +25,7 @@
 #include <stdatomic.h>
 
 #define TET_GHOST (UINT32_MAX - 1)
+#define TET_MOST_TETRAHEDRA (UINT32_MAX >> 2) /* as their faces have numbers as well */
 
 enum {
   TET_FLAG_FREE = 1,   /* the slot is unused */

@@ -138,13 +138,11 @@ static inline uint32_t bucket_of(const refiner *r, uint32_t t, const refine_shap
   return sine2 < r->sliver_sine2 ? 2 * KEYS + quarter_of(sine2) : BUCKETS;
 }
 
-enum { TAG_BITS = 2, SLOT = UINT32_MAX >> TAG_BITS };
-
-/* Handles of four faces leave two bits of a slot's number: some hash of the vertices, as most entries that are
- * popped are of a tetrahedron that is gone, and measuring what has its slot now costs more. */
+/* A slot's number, which leaves two bits, and there some of a hash of the vertices: most entries that are popped are of a
+ * tetrahedron that is gone, and measuring what has its slot now costs more. */
 static inline uint32_t entry_of(const refiner *r, uint32_t t) {
   const uint32_t *v = r->mesh.v + 4 * (size_t)t;
-  return t | ((v[0] ^ v[1] ^ v[2] ^ v[3]) * UINT32_C(0x9e3779b9) & ~(uint32_t)SLOT);
+  return t | ((v[0] ^ v[1] ^ v[2] ^ v[3]) * UINT32_C(0x9e3779b9) & ~TET_MOST_TETRAHEDRA);
 }
 
 static tet_status push(refiner *r, uint32_t b, uint32_t t) {
@@ -224,7 +222,7 @@ tet_status refine_queue_made(refiner *r) {
 int refine_next_tet(refiner *r, uint32_t *ret_tet, refine_shape *ret_shape, int *ret_sliver) {
   uint32_t b, entry;
   while (pop(&r->bad, &b, &entry)) {
-    uint32_t t = entry & SLOT;
+    uint32_t t = entry & TET_MOST_TETRAHEDRA;
     if (!refine_alive(r, t) || !(r->tet_edges[t] & TET_QUEUED) || entry_of(r, t) != entry) continue;
     refine_measure(r, t, ret_shape);
     if (bucket_of(r, t, ret_shape) != b) continue;
