@@ -12,17 +12,26 @@
 
 static const double unturned[2] = {0, 0};
 
-/* Builds and refines; the result's arrays and the pieces are the caller's. */
-static tet_status mesh(tet_ctx *ctx, const solid *s, const tet_refine_options *o, tet_build_result *built,
-                       tet_refine_result *ret) {
+/* Builds and refines, and finds no fault; the result's arrays and the pieces are the caller's, to drop. */
+static tet_ctx *mesh(const solid *s, const tet_refine_options *o, tet_build_result *built, tet_refine_result *ret) {
+  tet_ctx *ctx;
+  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
   assert_int_equal(solid_build(ctx, s, built), TET_OK);
   tet_stage_begin(ctx, "refine");
-  return tet_refine(ctx, &built->pieces, o, ret);
+  assert_int_equal(tet_refine(ctx, &built->pieces, o, ret), TET_OK);
+  assert_null(pieces_fault(&built->pieces));
+  return ctx;
+}
+
+static void drop(tet_ctx *ctx, tet_build_result *built, tet_refine_result *r) {
+  tet_refine_result_free(ctx, r);
+  tet_build_result_free(ctx, built);
+  assert_int_equal(tet_ctx_bytes(ctx), 0);
+  tet_ctx_free(ctx);
 }
 
 static void box_by_volume(void **state) {
   (void)state;
-  tet_ctx *ctx;
   solid s;
   tet_build_result built;
   tet_refine_result r;
@@ -30,9 +39,7 @@ static void box_by_volume(void **state) {
   tet_refine_options_default(&o);
   o.max_volume = 0.01;
   solid_regular(&s, 4, 1, unturned);
-  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-  assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
-  assert_null(pieces_fault(&built.pieces));
+  tet_ctx *ctx = mesh(&s, &o, &built, &r);
   assert_int_equal(r.n_sharp_segments, 0);
   assert_int_equal(r.n_exceptions, 0);
   assert_int_equal(r.rejected.protected_ball, 0);
@@ -40,16 +47,12 @@ static void box_by_volume(void **state) {
   assert_true(built.pieces.n_tets > 200);
   assert_float_equal(pieces_volume(&built.pieces), 2.0, 1e-12);
   assert_int_equal(r.segment_points + r.facet_points + r.volume_points, built.pieces.n_points - 8);
-  tet_refine_result_free(ctx, &r);
-  tet_build_result_free(ctx, &built);
-  assert_int_equal(tet_ctx_bytes(ctx), 0);
-  tet_ctx_free(ctx);
+  drop(ctx, &built, &r);
 }
 
 static void input_keeps_its_bits(void **state) {
   (void)state;
   static const double turn[2] = {0.3, 1.1};
-  tet_ctx *ctx;
   solid s;
   tet_build_result built;
   tet_refine_result r;
@@ -57,8 +60,7 @@ static void input_keeps_its_bits(void **state) {
   tet_refine_options_default(&o);
   o.max_volume = 0.05;
   solid_regular(&s, 6, 2, turn);
-  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-  assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
+  tet_ctx *ctx = mesh(&s, &o, &built, &r);
   assert_memory_equal(built.pieces.points, s.points, 12 * 3 * sizeof(double));
   for (uint32_t v = built.pieces.n_input; v < built.pieces.n_points; v++) {
     uint32_t carrier = built.pieces.carrier[v];
@@ -68,25 +70,20 @@ static void input_keeps_its_bits(void **state) {
       default: assert_int_equal(built.pieces.origin[v], TET_ORIGIN_VOLUME);
     }
   }
-  tet_refine_result_free(ctx, &r);
-  tet_build_result_free(ctx, &built);
-  tet_ctx_free(ctx);
+  drop(ctx, &built, &r);
 }
 
 static void wedges_end(void **state) {
   (void)state;
   static const double degrees[] = {40, 10, 1, 0.01};
   for (size_t i = 0; i < sizeof degrees / sizeof *degrees; i++) {
-    tet_ctx *ctx;
     solid s;
     tet_build_result built;
     tet_refine_result r;
     tet_refine_options o;
     tet_refine_options_default(&o);
     solid_wedge(&s, degrees[i], 1);
-    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-    assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
-    assert_null(pieces_fault(&built.pieces));
+    tet_ctx *ctx = mesh(&s, &o, &built, &r);
     assert_true(r.n_sharp_segments > 0);
     assert_true(built.pieces.n_points < 5000);
     for (uint32_t k = 0; k < r.n_exceptions; k++) {
@@ -98,9 +95,7 @@ static void wedges_end(void **state) {
     assert_int_equal(r.trace.traced, r.n_exceptions); /* all are at the sharp segment */
     assert_true(r.trace.within <= r.trace.traced);
     assert_true(r.trace.farthest < 1);
-    tet_refine_result_free(ctx, &r);
-    tet_build_result_free(ctx, &built);
-    tet_ctx_free(ctx);
+    drop(ctx, &built, &r);
   }
 }
 
@@ -112,7 +107,6 @@ static void low_segments_end(void **state) {
   static const uint32_t segment[2] = {8, 9}, facet_start[7] = {0, 1, 2, 3, 4, 5, 7};
   static const double bounds[] = {1.4143, 2};
   for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
-    tet_ctx *ctx;
     solid s;
     tet_build_result built;
     tet_refine_result r;
@@ -129,17 +123,13 @@ static void low_segments_end(void **state) {
     s.pls.facet_start = facet_start;
     s.pls.n_segments = 1;
     s.pls.segments = segment;
-    assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-    assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
-    assert_null(pieces_fault(&built.pieces));
+    tet_ctx *ctx = mesh(&s, &o, &built, &r);
     assert_int_equal(r.n_sharp_segments, 1);
     assert_true(r.gabriel && r.constrained_delaunay);
     assert_true(built.pieces.n_points < 400);
     assert_true(r.n_exceptions > 0 && r.n_exceptions < 40);
     assert_int_equal(r.trace.traced, r.n_exceptions);
-    tet_refine_result_free(ctx, &r);
-    tet_build_result_free(ctx, &built);
-    tet_ctx_free(ctx);
+    drop(ctx, &built, &r);
   }
 }
 
@@ -149,7 +139,6 @@ static void low_segments_end(void **state) {
 static void wide_cavities_are_not_searched_in_vain_for_long(void **state) {
   (void)state;
   enum { N = 16, FACETS = 2 * N - 4 };
-  tet_ctx *ctx;
   solid s;
   tet_build_result built;
   tet_refine_result r;
@@ -172,16 +161,12 @@ static void wide_cavities_are_not_searched_in_vain_for_long(void **state) {
   s.pls.polygon_start = start;
   s.pls.polygon_vertices = corners;
   tet_refine_options_default(&o);
-  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-  assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
-  assert_null(pieces_fault(&built.pieces));
+  tet_ctx *ctx = mesh(&s, &o, &built, &r);
   assert_true(r.constrained_delaunay);
   assert_true(r.rejected.given_up > 0);
   assert_true(built.pieces.n_points < 10000);
   assert_int_equal(r.trace.traced, r.n_exceptions);
-  tet_refine_result_free(ctx, &r);
-  tet_build_result_free(ctx, &built);
-  tet_ctx_free(ctx);
+  drop(ctx, &built, &r);
 }
 
 /* Its ends, bent by rounding, have creases, and a Steiner point of one of these beside another: subfaces
@@ -233,9 +218,7 @@ static void segments_are_not_cut_for_centres_far_beyond(void **state) {
     if (d2 > 0 && d2 < shortest2) shortest2 = d2;
   }
   assert_true(shortest2 > 0.01 * 0.01);
-  tet_refine_result_free(ctx, &r);
-  tet_build_result_free(ctx, &built);
-  tet_ctx_free(ctx);
+  drop(ctx, &built, &r);
 }
 
 /* Its ends are bent by rounding: tetrahedra of nothing span their creases, which are no bounds to
@@ -261,7 +244,6 @@ static void creases_leave_nothing_flat(void **state) {
       {-0.8134683343502485, -0.21097566672923374, 1.137435069380924},
       {-0.5406599737606737, -0.8257588640337434, 1.0128223394272113},
       {0.06456486923005766, -1.111647724789248, 0.8718203448143395}};
-  tet_ctx *ctx;
   solid s;
   tet_build_result built;
   tet_refine_result r;
@@ -269,15 +251,11 @@ static void creases_leave_nothing_flat(void **state) {
   solid_regular(&s, 9, 1, unturned);
   s.pls.points = points[0];
   tet_refine_options_default(&o);
-  assert_int_equal(tet_ctx_create(NULL, &ctx), TET_OK);
-  assert_int_equal(mesh(ctx, &s, &o, &built, &r), TET_OK);
-  assert_null(pieces_fault(&built.pieces));
+  tet_ctx *ctx = mesh(&s, &o, &built, &r);
   assert_int_equal(r.n_exceptions, 0);
   assert_int_equal(r.rejected.lost_subface, 0);
   assert_true(r.gabriel && r.constrained_delaunay);
-  tet_refine_result_free(ctx, &r);
-  tet_build_result_free(ctx, &built);
-  tet_ctx_free(ctx);
+  drop(ctx, &built, &r);
 }
 
 static void limits_leave_nothing(void **state) {
